@@ -1,0 +1,31 @@
+# Two commands set up everything: `make gaps` (the main job) and `make test`.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+SUITE ?= table1
+FOLDERS := benchmark formulations heuristics instances views
+
+.PHONY: gaps test typing-links clean
+
+gaps: $(VENV)/installed
+	$(BIN)/cutgap gaps $(SUITE) --resume
+
+test: $(VENV)/installed typing-links
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/pytest -n auto
+
+# Runs again only when the dependencies change; the install is editable.
+$(VENV)/installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable '.[test,cluster]'
+	touch $@
+
+# mypy does not follow setuptools' folder mapping, so it reads the tree through links.
+typing-links:
+	mkdir -p build/typing/cutgap
+	for folder in $(FOLDERS); do ln -sfn ../../../$$folder build/typing/cutgap/$$folder; done
+
+clean:
+	rm -rf $(VENV) build *.egg-info

@@ -1,0 +1,1 @@
+"""Methods over suites, side by side."""

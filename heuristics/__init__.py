@@ -1,0 +1,1 @@
+"""The published heuristics, and a modern yardstick."""

@@ -1,0 +1,26 @@
+"""The problem: what is to be cut, a plan for it, its value, and whether it is allowed. No solver."""
+
+from cutgap.instances.check import Violation, check
+from cutgap.instances.evaluate import Evaluation, evaluate
+from cutgap.instances.instance import Contour, Head, Instance, Machine, Material
+from cutgap.instances.plan import Plan, Visit
+from cutgap.instances.result import Result, Status, conclude
+from cutgap.instances.rules import Rules
+
+__all__ = [
+    "Contour",
+    "Evaluation",
+    "Head",
+    "Instance",
+    "Machine",
+    "Material",
+    "Plan",
+    "Result",
+    "Rules",
+    "Status",
+    "Violation",
+    "Visit",
+    "check",
+    "conclude",
+    "evaluate",
+]

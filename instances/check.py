@@ -1,0 +1,133 @@
+"""Whether a plan is allowed: one violation per broken constraint, from instance, rules and plan alone."""
+
+from collections import Counter
+from dataclasses import dataclass
+
+from cutgap.instances.evaluate import Evaluation, evaluate
+from cutgap.instances.instance import Instance
+from cutgap.instances.plan import Plan
+from cutgap.instances.rules import Rules
+from cutgap.instances.simulate import start_times
+
+TOLERANCE = 1e-9
+"""Relative slack for limits on computed figures (a balance limit in s)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One broken constraint: its name, where, and by how much (in ``unit``)."""
+
+    constraint: str
+    place: str
+    amount: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.constraint}: {self.place} ({self.amount:g} {self.unit})"
+
+
+def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
+    """Return every violation of the rules; an empty list means that the plan is allowed.
+
+    Raises
+    ------
+    ValueError
+        When the plan names what does not exist, or the rules need coordinates that are not there.
+    """
+    require_coordinates(instance, rules)
+    evaluation = evaluate(instance, plan)
+    return [
+        *each_contour_once(instance, plan),
+        *non_overlap(rules, evaluation),
+        *balance(rules, evaluation),
+        *via_points(instance, rules, plan),
+        *no_empty_heads(instance, rules, plan),
+        *precedence(instance, plan),
+    ]
+
+
+def require_coordinates(instance: Instance, rules: Rules) -> None:
+    """Raise ``ValueError`` when the rules speak of x and the points carry no coordinates."""
+    if instance.located:
+        return
+    if rules.via_points or (rules.non_overlap is not None and len(instance.heads) > 1):
+        raise ValueError(
+            f"instance {instance.name!r} has a matrix but no coordinates: "
+            "via points and non-overlap need them; allow overlap and drop via points"
+        )
+
+
+def each_contour_once(instance: Instance, plan: Plan) -> list[Violation]:
+    """Each contour is cut once, by one head."""
+    counts = Counter(visit.contour for tour in plan.tours for visit in tour)
+    return [
+        Violation(
+            "each contour once",
+            f"contour {contour.id!r} is cut {counts[index]} times",
+            counts[index] - 1,
+            "times",
+        )
+        for index, contour in enumerate(instance.contours)
+        if counts[index] != 1
+    ]
+
+
+def non_overlap(rules: Rules, evaluation: Evaluation) -> list[Violation]:
+    """The partition gap is at least the asked one; coordinates are exact, so there is no slack."""
+    gap = evaluation.partition_gap_mm
+    if rules.non_overlap is None or gap is None or gap >= rules.non_overlap:
+        return []
+    place = f"partition gap {gap:g} mm, least {rules.non_overlap:g} mm"
+    return [Violation("non-overlap", place, rules.non_overlap - gap, "mm")]
+
+
+def balance(rules: Rules, evaluation: Evaluation) -> list[Violation]:
+    """The imbalance is within its limit."""
+    if rules.balance is None:
+        return []
+    excess = evaluation.imbalance_s - rules.balance
+    if excess <= TOLERANCE * max(1.0, evaluation.makespan_s):
+        return []
+    place = f"imbalance {evaluation.imbalance_s:g} s, most {rules.balance:g} s"
+    return [Violation("balance", place, excess, "s")]
+
+
+def via_points(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
+    """Each head cuts a leftmost contour of its range first."""
+    if not rules.via_points:
+        return []
+    broken = []
+    for head, tour in zip(instance.heads, plan.tours, strict=True):
+        xs = [float(instance.points[instance.node(*visit), 0]) for visit in tour]
+        if xs and xs[0] > min(xs):
+            first = instance.contours[tour[0].contour].id
+            place = f"head {head.id!r} starts with contour {first!r}, not the leftmost"
+            broken.append(Violation("via points", place, xs[0] - min(xs), "mm"))
+    return broken
+
+
+def no_empty_heads(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
+    """Each head has work, where the rules ask for it."""
+    if rules.empty_heads:
+        return []
+    return [
+        Violation("no empty heads", f"head {head.id!r} has no work", 1, "contours")
+        for head, tour in zip(instance.heads, plan.tours, strict=True)
+        if not tour
+    ]
+
+
+def precedence(instance: Instance, plan: Plan) -> list[Violation]:
+    """The first contour of each pair is done when the second starts, on whichever heads."""
+    if not instance.precedence:
+        return []
+    starts = start_times(instance, plan)
+    broken = []
+    for before, after in instance.precedence:
+        if before not in starts or after not in starts:
+            continue
+        late = starts[before] + float(instance.service_times[before]) - starts[after]
+        if late > TOLERANCE * max(1.0, starts[before]):
+            names = f"{instance.contours[before].id!r} before {instance.contours[after].id!r}"
+            broken.append(Violation("precedence", names, late, "s"))
+    return broken

@@ -1,0 +1,118 @@
+r"""The value of a plan, from instance and plan alone; every figure that is reported comes from here.
+
+    (1) L_a = sum of rapids of head a, from home and back to it (closed tour without a home)  [mm]
+    (2) T_a = L_a / v_jump + sum(perimeter) / v_cut + t_aux * count                           [s]
+    (3) makespan = max_a T_a,  imbalance = max_a T_a - min_a T_a                              [s]
+    (4) F = min over neighbouring heads a < b of  min x in b - max x in a                     [mm]
+
+Source: Wang et al. (2025), equations (1), (2) and (9). A head without work has L_a = T_a = 0 and does not
+count in (4).
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from cutgap.instances.arrays import Floats
+from cutgap.instances.instance import Instance
+from cutgap.instances.plan import Plan, Visit
+from cutgap.instances.rules import Rules
+from cutgap.instances.simulate import smallest_separation, tour_nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """What a plan costs.
+
+    Attributes
+    ----------
+    travel_mm
+        Length of rapids, per head.
+    time_s
+        Time from leaving the home to being back, per head.
+    partition_gap_mm
+        F of equation (4); negative is an overlap of that depth; ``None`` with fewer than two working heads.
+    separation_mm
+        Smallest x distance (right minus left, signed) of neighbouring heads over time, all starting
+        at once and cutting on the spot; ``None`` for one head, or where a head's position is not known.
+    peak_temperature_c
+        Highest start-point temperature; ``None`` without a material.
+    """
+
+    travel_mm: tuple[float, ...]
+    time_s: tuple[float, ...]
+    partition_gap_mm: float | None
+    separation_mm: float | None
+    peak_temperature_c: float | None = None
+
+    @property
+    def total_travel_mm(self) -> float:
+        """Sum of rapids over the heads."""
+        return float(sum(self.travel_mm))
+
+    @property
+    def makespan_s(self) -> float:
+        """Time until the last head is done."""
+        return max(self.time_s)
+
+    @property
+    def imbalance_s(self) -> float:
+        """Time that the first head to finish waits for the last."""
+        return max(self.time_s) - min(self.time_s)
+
+    def objective(self, rules: Rules) -> float:
+        """Return the value of the objective that the rules name, in ``rules.unit``."""
+        if rules.objective == "makespan":
+            return self.makespan_s
+        return self.total_travel_mm + rules.weight * self.imbalance_s
+
+
+def evaluate(instance: Instance, plan: Plan) -> Evaluation:
+    """Evaluate a plan; it may break rules, but must name existing contours and entry points.
+
+    Raises
+    ------
+    ValueError
+        When the plan has another number of heads or names what the instance does not have.
+    """
+    require_known(instance, plan)
+    travel, times = [], []
+    for head, tour in enumerate(plan.tours):
+        legs = leg_lengths(instance, head, tour)
+        service = instance.service_times[[visit.contour for visit in tour]] if tour else np.zeros(1)
+        travel.append(float(legs.sum()))
+        times.append(float(legs.sum() / instance.machine.v_jump + service.sum()))
+    return Evaluation(
+        travel_mm=tuple(travel),
+        time_s=tuple(times),
+        partition_gap_mm=partition_gap(instance, plan),
+        separation_mm=smallest_separation(instance, plan),
+    )
+
+
+def require_known(instance: Instance, plan: Plan) -> None:
+    """Raise ``ValueError`` when the plan names heads, contours or entry points that do not exist."""
+    if len(plan.tours) != len(instance.heads):
+        raise ValueError(f"plan: expected {len(instance.heads)} tours, one a head, got {len(plan.tours)}")
+    for head, tour in enumerate(plan.tours):
+        for contour, entry in tour:
+            if not 0 <= contour < len(instance.contours):
+                name, count = instance.heads[head].id, len(instance.contours)
+                raise ValueError(f"plan, head {name!r}: no contour {contour} among {count}")
+            if not 0 <= entry < len(instance.contours[contour].entry_points):
+                raise ValueError(f"plan, contour {instance.contours[contour].id!r}: no entry point {entry}")
+
+
+def leg_lengths(instance: Instance, head: int, tour: tuple[Visit, ...]) -> Floats:
+    """Return the rapid lengths along a tour, mm."""
+    nodes = tour_nodes(instance, head, tour)
+    return np.array([instance.rapid_length(a, b) for a, b in pairwise(nodes)], dtype=np.float64)
+
+
+def partition_gap(instance: Instance, plan: Plan) -> float | None:
+    """Return F of equation (4), mm."""
+    if not instance.located:
+        return None
+    xs = [[float(instance.points[instance.node(*visit), 0]) for visit in tour] for tour in plan.tours if tour]
+    return min((min(right) - max(left) for left, right in pairwise(xs)), default=None)

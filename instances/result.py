@@ -1,0 +1,100 @@
+"""The outcome of one run, which cannot lie: values come from ``evaluate``, bounds are proved or ``None``."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from cutgap.instances.check import Violation, check
+from cutgap.instances.evaluate import Evaluation, evaluate
+from cutgap.instances.instance import Instance
+from cutgap.instances.plan import Plan
+from cutgap.instances.rules import Rules
+
+OPTIMALITY_TOLERANCE = 1e-8
+"""Relative distance of value and bound within which a plan counts as optimal."""
+
+
+class Status(StrEnum):
+    """What a run established."""
+
+    OPTIMAL = "optimal"  # an allowed plan, and a bound that meets it
+    FEASIBLE = "feasible"  # an allowed plan
+    INFEASIBLE = "infeasible"  # proved: there is no allowed plan
+    UNKNOWN = "unknown"  # neither
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Outcome of one run, with ``lower_bound <= optimum <= value``; build it with ``conclude``.
+
+    ``None`` means not found or not proved; 0 and inf are never sentinels.
+
+    Attributes
+    ----------
+    value
+        Objective of the plan in ``rules.unit``, recomputed by ``evaluate``.
+    lower_bound
+        Proved bound on every allowed plan, same unit.
+    violations
+        What the plan breaks; a plan that breaks something proves nothing and is never ``feasible``.
+    reason
+        Why the problem is infeasible, or why the run stopped early.
+    """
+
+    status: Status
+    rules: Rules
+    method: str
+    seconds: float
+    plan: Plan | None = None
+    evaluation: Evaluation | None = None
+    violations: tuple[Violation, ...] = ()
+    value: float | None = None
+    lower_bound: float | None = None
+    seed: int | None = None
+    reason: str | None = None
+
+    @property
+    def gap(self) -> float | None:
+        """(value - lower_bound) / value, for an allowed plan and a proved bound."""
+        if self.value is None or self.lower_bound is None or self.violations:
+            return None
+        return 0.0 if self.value == 0 else max(0.0, (self.value - self.lower_bound) / self.value)
+
+
+def conclude(
+    instance: Instance,
+    rules: Rules,
+    plan: Plan | None,
+    *,
+    method: str,
+    seconds: float,
+    lower_bound: float | None = None,
+    seed: int | None = None,
+    infeasible: bool = False,
+    reason: str | None = None,
+) -> Result:
+    """Evaluate and check a run's plan and return what the run established.
+
+    Raises
+    ------
+    ValueError
+        When the bound exceeds the value of an allowed plan, or a plan exists where none should.
+    """
+    if plan is None:
+        status = Status.INFEASIBLE if infeasible else Status.UNKNOWN
+        bound = None if infeasible else lower_bound
+        return Result(status, rules, method, seconds, lower_bound=bound, seed=seed, reason=reason)
+    evaluation = evaluate(instance, plan)
+    violations = tuple(check(instance, rules, plan))
+    value = evaluation.objective(rules)
+    status = Status.UNKNOWN if violations else Status.FEASIBLE
+    if infeasible and not violations:
+        raise ValueError(f"{method}: claims that no plan exists, yet one was found with value {value}")
+    if lower_bound is not None and not violations:
+        slack = OPTIMALITY_TOLERANCE * max(1.0, abs(value))
+        if lower_bound > value + slack:
+            raise ValueError(f"{method}: lower bound {lower_bound} exceeds value {value}")
+        if lower_bound >= value - slack:
+            status = Status.OPTIMAL
+    return Result(
+        status, rules, method, seconds, plan, evaluation, violations, value, lower_bound, seed, reason
+    )

@@ -1,0 +1,58 @@
+"""What is asked of a plan: the objective and the constraints beyond "each contour once"."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from cutgap.instances.arrays import finite_number
+
+Objective = Literal["makespan", "travel", "weighted"]
+OBJECTIVES: tuple[Objective, ...] = ("makespan", "travel", "weighted")
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """Objective and constraints.
+
+    Parameters
+    ----------
+    objective
+        ``makespan`` (s): the time that the machine waits for; ``travel`` (mm): sum of rapids;
+        ``weighted`` (mm): travel + weight * imbalance.
+    weight
+        Price of one second of imbalance in mm of travel, for ``weighted`` only. Above ``v_jump`` a
+        plan can gain by lengthening the shorter tour.
+    non_overlap
+        Least partition gap F in mm between neighbouring heads; 0 allows touching, and then
+        contours of equal x may go either side. ``None`` lets the ranges overlap.
+    balance
+        Largest imbalance in s; ``None`` sets no limit.
+    via_points
+        Each head cuts the leftmost contour of its range first (any of them when several are).
+    empty_heads
+        Whether a head may stay without work.
+    """
+
+    objective: Objective = "makespan"
+    weight: float = 0.0
+    non_overlap: float | None = 0.0
+    balance: float | None = None
+    via_points: bool = False
+    empty_heads: bool = True
+
+    def __post_init__(self) -> None:
+        if self.objective not in OBJECTIVES:
+            raise ValueError(
+                f"rules, objective: expected one of {', '.join(OBJECTIVES)}, got {self.objective!r}"
+            )
+        object.__setattr__(self, "weight", finite_number(self.weight, "rules, weight", least=0.0))
+        if self.weight > 0 and self.objective != "weighted":
+            raise ValueError(f"rules, weight: goes with the objective weighted, not {self.objective}")
+        for name in ("non_overlap", "balance"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, finite_number(value, f"rules, {name}", least=0.0))
+
+    @property
+    def unit(self) -> str:
+        """Unit of the objective."""
+        return "s" if self.objective == "makespan" else "mm"
