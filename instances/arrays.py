@@ -29,7 +29,7 @@ def frozen_array(values: Any, name: str, columns: int | None = None) -> Floats:
     """
     try:
         array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{name}: expected numbers, got {values!r:.80}") from error
     if columns is not None and (array.ndim == 0 or array.shape[-1] != columns):
         raise ValueError(f"{name}: expected {columns} numbers a row, got shape {array.shape}")
@@ -50,7 +50,10 @@ def finite_number(
     """Return ``value`` as a float, or say which limit it breaks."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer):
         raise ValueError(f"{name}: expected a number, got {value!r:.80}")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:  # an integer beyond the range of a float
+        number = math.inf if value > 0 else -math.inf
     if not math.isfinite(number):
         raise ValueError(f"{name}: expected a finite number, got {number}")
     if above is not None and not number > above:

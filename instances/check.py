@@ -118,16 +118,22 @@ def no_empty_heads(instance: Instance, rules: Rules, plan: Plan) -> list[Violati
 
 
 def precedence(instance: Instance, plan: Plan) -> list[Violation]:
-    """The first contour of each pair is done when the second starts, on whichever heads."""
+    """The first contour of each pair is done when the second starts, on whichever heads.
+
+    On one head the order decides: contours that take no time at one place all start at once.
+    """
     if not instance.precedence:
         return []
     starts = start_times(instance, plan)
+    turns = {visit.contour: (head, i) for head, tour in enumerate(plan.tours) for i, visit in enumerate(tour)}
     broken = []
     for before, after in instance.precedence:
         if before not in starts or after not in starts:
             continue
         late = starts[before] + float(instance.service_times[before]) - starts[after]
-        if late > TOLERANCE * max(1.0, starts[before]):
+        (head, turn), (other_head, other_turn) = turns[before], turns[after]
+        broken_by_time = late > TOLERANCE * max(1.0, starts[before])
+        if turn > other_turn if head == other_head else broken_by_time:
             names = f"{instance.contours[before].id!r} before {instance.contours[after].id!r}"
             broken.append(Violation("precedence", names, late, "s"))
     return broken

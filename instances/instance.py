@@ -157,7 +157,8 @@ class Instance:
     precedence
         Pairs (a, b) of contour indices: a is cut before b. Must be acyclic.
     matrix
-        Shape (nodes, nodes), mm: rapid lengths for the metric ``matrix``, possibly asymmetric.
+        Shape (nodes, nodes), mm: rapid lengths for the metric ``matrix``, possibly asymmetric. The
+        diagonal is stored as 0, whatever is given (files put a large number there): to stay costs nothing.
     material
         Needed only where heat is asked for.
     located
@@ -183,6 +184,7 @@ class Instance:
         _refuse_duplicates([h.id for h in self.heads], "head")
         _check_precedence(self.precedence, [c.id for c in self.contours])
         self._check_matrix()
+        self._check_extent()
 
     def _check_matrix(self) -> None:
         given, asked = self.matrix is not None, self.machine.metric == "matrix"
@@ -195,7 +197,7 @@ class Instance:
             if not self.located:
                 raise ValueError(f"instance {self.name!r}: without coordinates the metric must be matrix")
             return
-        matrix = frozen_array(self.matrix, f"instance {self.name!r}, matrix")
+        matrix = frozen_array(self.matrix, f"instance {self.name!r}, matrix").copy()
         if matrix.shape != (self.node_count, self.node_count):
             raise ValueError(
                 f"instance {self.name!r}, matrix: expected {self.node_count} x {self.node_count}, "
@@ -203,7 +205,18 @@ class Instance:
             )
         if (matrix < 0).any():
             raise ValueError(f"instance {self.name!r}, matrix: negative length {matrix.min():g}")
+        np.fill_diagonal(matrix, 0.0)
+        matrix.setflags(write=False)
         object.__setattr__(self, "matrix", matrix)
+
+    def _check_extent(self) -> None:
+        """Refuse points so far apart that the distance is no finite number."""
+        if self.node_count == 0:
+            return
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        if not np.isfinite(cdist(low[None], high[None])).all():
+            far = max(abs(low).max(), abs(high).max())
+            raise ValueError(f"instance {self.name!r}: coordinates too far apart (up to {far:g} mm)")
 
     @property
     def node_count(self) -> int:

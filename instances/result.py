@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from cutgap.instances.arrays import finite_number
 from cutgap.instances.check import Violation, check
 from cutgap.instances.evaluate import Evaluation, evaluate
 from cutgap.instances.instance import Instance
@@ -77,8 +78,11 @@ def conclude(
     Raises
     ------
     ValueError
-        When the bound exceeds the value of an allowed plan, or a plan exists where none should.
+        When the bound is not a finite number or exceeds the value of an allowed plan, or a plan exists
+        where none should.
     """
+    if lower_bound is not None:
+        lower_bound = finite_number(lower_bound, f"{method}, lower bound")
     if plan is None:
         status = Status.INFEASIBLE if infeasible else Status.UNKNOWN
         bound = None if infeasible else lower_bound

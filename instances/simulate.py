@@ -71,7 +71,7 @@ def smallest_separation(instance: Instance, plan: Plan) -> float | None:
     """Return the smallest x distance (right minus left, signed) of neighbouring heads over time, mm.
 
     ``None`` for a single head, and where a head is nowhere. Positions are piecewise linear in time, so
-    the extremes lie at break points.
+    the extremes lie at break points; where a given matrix lets a head jump, both sides of it count.
     """
     tracks = [track(instance, head, tour) for head, tour in enumerate(plan.tours)]
     if not instance.located or len(tracks) < 2 or any(len(each.times) == 0 for each in tracks):
@@ -79,6 +79,13 @@ def smallest_separation(instance: Instance, plan: Plan) -> float | None:
     smallest = np.inf
     for left, right in pairwise(tracks):
         times = np.union1d(left.times, right.times)
-        apart = np.interp(times, right.times, right.xs) - np.interp(times, left.times, left.xs)
+        apart = positions(right, times) - positions(left, times)
         smallest = min(smallest, float(apart.min()))
     return smallest
+
+
+def positions(head: Track, times: Floats) -> Floats:
+    """Return x of a head just after and just before ``times``, shape (2, times), mm."""
+    after = np.interp(times, head.times, head.xs)
+    before = np.interp(-times, -head.times[::-1], head.xs[::-1])
+    return np.stack((after, before))
