@@ -75,7 +75,8 @@ class AllPlans:
 
     def allowed(self, head: int, subset: int, rules: Rules) -> list[tuple[Kind, Lengths]]:
         """Tours of one subset that keep the rules of a single head."""
-        if subset == 0 and not rules.empty_heads:
+        enough = len(self.problem.entries) >= len(self.problem.homes)
+        if subset == 0 and enough and not rules.empty_heads:
             return []
         found = self.tours[head].get(subset, {})
         return [(kind, tours) for kind, tours in found.items() if kind[2] or not rules.via_points]

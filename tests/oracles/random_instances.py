@@ -89,8 +89,7 @@ def random_plan(rng: np.random.Generator, instance: Instance) -> Plan:
 def moved(instance: Instance, rotation: Floats, shift: Floats | float = 0.0) -> Instance:
     """Return the instance with every point ``p`` at ``p @ rotation + shift``."""
     contours = tuple(
-        replace(contour, entry_points=contour.entry_points @ rotation + shift)
-        for contour in instance.contours
+        replace(contour, entry_points=contour.entry_points @ rotation + shift) for contour in instance.contours
     )
     heads = tuple(
         replace(head, home=None if head.home is None else head.home @ rotation + shift)
