@@ -1,1 +1,5 @@
 """Models and bounds."""
+
+from cutgap.formulations.solve import METHODS, solve
+
+__all__ = ["METHODS", "solve"]

@@ -29,7 +29,7 @@ class Rules:
     via_points
         Each head cuts the leftmost contour of its range first (any of them when several are).
     empty_heads
-        Whether a head may stay without work.
+        Whether a head may stay without work though there are at least as many contours as heads.
     """
 
     objective: Objective = "makespan"
@@ -37,7 +37,7 @@ class Rules:
     non_overlap: float | None = 0.0
     balance: float | None = None
     via_points: bool = False
-    empty_heads: bool = True
+    empty_heads: bool = False
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:

@@ -1,0 +1,1 @@
+"""Our branch and cut over incremental linear programs."""

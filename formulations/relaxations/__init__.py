@@ -1,0 +1,1 @@
+"""Relaxations, each with a bound that is safe whatever a solver did."""

@@ -1,0 +1,134 @@
+"""Shortest tours of one head over many sets of contours, each known between two bounds that tighten on demand.
+
+Sets are bit masks of contour indices. In a metric a tour of a set, cut short to a subset, gets no longer; so
+the lower bound of a set passes to its supersets, unless via points forbid the shortcut (see ``inherits``).
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutgap.formulations.branch_and_cut.tour import best_tour, shortest_tour
+from cutgap.formulations.relaxations.one_tree import held_karp_bound
+from cutgap.instances import Instance
+from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.result import OPTIMALITY_TOLERANCE
+from cutgap.instances.tours import tour_length
+
+KICKS = 10
+"""Kicks of local search per node for the first tour of a set."""
+
+
+@dataclass(slots=True)
+class Side:
+    """One head's tours of one set of contours: ``lower <= shortest <= upper`` in mm."""
+
+    contours: tuple[int, ...]
+    service_s: float
+    lower: float = 0.0
+    upper: float = np.inf
+    order: tuple[int, ...] = ()
+    inherited_from: int = 0  # how many known bounds were looked at
+    relaxed: bool = False  # whether the Held-Karp bound was taken
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the bounds meet."""
+        slack = OPTIMALITY_TOLERANCE / 4 * max(1.0, self.upper)
+        return bool(np.isfinite(self.upper)) and self.upper - self.lower <= slack
+
+
+class Sides:
+    """All sets that one head has been asked about.
+
+    Parameters
+    ----------
+    inherits
+        Whether a set's lower bound holds for its supersets.
+    """
+
+    def __init__(self, instance: Instance, head: int, *, via_points: bool, inherits: bool) -> None:
+        self.instance = instance
+        self.home = instance.home_node(head)
+        self.via_points = via_points and self.home is not None  # a closed tour can start at its leftmost point
+        self.inherits = inherits
+        self._sides: dict[int, Side] = {}
+        self._known: list[tuple[int, float]] = []
+
+    def side(self, members: int) -> Side:
+        """Return what is known about a set; its lower bound includes what subsets proved meanwhile."""
+        side = self._sides.get(members)
+        if side is None:
+            contours = tuple(c for c in range(len(self.instance.contours)) if members >> c & 1)
+            side = Side(contours, float(self.instance.service_times[list(contours)].sum()))
+            if not contours:
+                side.upper = 0.0
+            self._sides[members] = side
+        if self.inherits:
+            for known, lower in self._known[side.inherited_from :]:
+                if lower > side.lower and known & members == known:
+                    side.lower = min(lower, side.upper)
+            side.inherited_from = len(self._known)
+        return side
+
+    def tighten(self, members: int, cutoff: float, deadline: float) -> bool:
+        """Raise a set's lower bound by the next stronger method; False when the deadline passed first.
+
+        First a local search and the Held-Karp bound, then branch and cut, which need not go beyond the
+        cutoff (mm).
+        """
+        side = self.side(members)
+        lengths, via = self.lengths(side.contours), self.via(side.contours)
+        complete = True
+        if not side.relaxed:
+            side.relaxed = True
+            value, tour = best_tour(lengths, via, lengths, kicks=KICKS * len(lengths))
+            self._keep(side, value, tour)
+            if len(lengths) >= 3:
+                lower, _ = held_karp_bound(lengths, tuple(via.tolist()), target=min(cutoff, value))
+            else:
+                lower = value
+        else:
+            start = side.upper, self._tour(side)
+            outcome = shortest_tour(lengths, via.tolist(), start=start, cutoff=cutoff, deadline=deadline)
+            lower, complete = outcome.lower_bound, outcome.complete
+            if outcome.solution is not None:
+                self._keep(side, tour_length(lengths, outcome.solution), outcome.solution)
+        side.lower = min(max(side.lower, lower), side.upper)
+        if self.inherits:
+            self._known.append((members, side.lower))
+        return complete and time.perf_counter() <= deadline
+
+    def lengths(self, contours: tuple[int, ...]) -> Floats:
+        """Return rapid lengths between the home (if any, first) and the contours."""
+        nodes = [self.instance.node(contour) for contour in contours]
+        nodes = nodes if self.home is None else [self.home, *nodes]
+        return self.instance.rapids[np.ix_(nodes, nodes)]
+
+    def via(self, contours: tuple[int, ...]) -> Ints:
+        """Return the positions in ``lengths`` of the leftmost contours, if one must come first."""
+        if not self.via_points:
+            return np.empty(0, dtype=np.int64)
+        xs = self.instance.points[[self.instance.node(contour) for contour in contours], 0]
+        return np.flatnonzero(xs == xs.min()) + 1
+
+    def _keep(self, side: Side, value: float, tour: Ints) -> None:
+        """Remember a tour (positions in ``lengths``) if it is the shortest so far."""
+        if value >= side.upper:
+            return
+        side.upper = value
+        if self.home is not None:
+            side.order = tuple(side.contours[position - 1] for position in tour[1:])
+            return
+        order = [side.contours[position] for position in tour]
+        leftmost = min(order, key=lambda contour: self.instance.points[self.instance.node(contour), 0])
+        first = order.index(leftmost)
+        side.order = tuple(order[first:] + order[:first])
+
+    def _tour(self, side: Side) -> Ints:
+        """Return the best tour as positions in ``lengths``."""
+        position = {contour: i for i, contour in enumerate(side.contours)}
+        if self.home is None:
+            return np.array([position[contour] for contour in side.order])
+        return np.array([0, *(position[contour] + 1 for contour in side.order)])

@@ -1,0 +1,44 @@
+"""The front door: one call for all exact methods."""
+
+from collections.abc import Callable
+
+from cutgap.formulations.split import solve_split
+from cutgap.instances import Instance, Plan, Result, Rules
+from cutgap.instances.progress import Watch, nobody
+
+METHODS: dict[str, Callable[..., Result]] = {"split": solve_split}
+"""Exact methods by name; ``auto`` chooses among them."""
+
+
+def solve(
+    instance: Instance,
+    rules: Rules,
+    *,
+    method: str = "auto",
+    time_limit: float | None = None,
+    start: Plan | None = None,
+    watch: Watch = nobody,
+) -> Result:
+    """Solve an instance under rules, to proven optimality where the time allows.
+
+    Parameters
+    ----------
+    method
+        A name of ``METHODS``, or ``auto``.
+    time_limit
+        Seconds; a stopped run returns its best plan and its valid bound, as does Ctrl-C.
+    start
+        A plan to start from.
+    watch
+        Called with the state of the run from time to time.
+
+    Raises
+    ------
+    ValueError
+        When the method is unknown or does not apply to the instance.
+    """
+    if method == "auto":
+        method = "split"
+    if method not in METHODS:
+        raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
+    return METHODS[method](instance, rules, time_limit=time_limit, start=start, watch=watch)
