@@ -1,1 +1,144 @@
-"""Readers and writers of instance files."""
+"""Readers and writers of instances and plans; the suffix of the file name chooses the format.
+
+========  ====================================  =======  ==========================================
+suffix    content                               written  homes
+========  ====================================  =======  ==========================================
+.json     everything, and plans                 yes      in the file; given ones replace them
+.csv      holes ``id,x,y,z,perimeter``          yes      must be given
+.tsp      TSPLIB, symmetric                     yes      closed tour without; given where computable
+.atsp     TSPLIB, asymmetric                    yes      as .tsp
+.cetsp    discs ``x y z r``                     no       a depot comment, or given
+.txt      as .cetsp                             no       as .cetsp
+========  ====================================  =======  ==========================================
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from cutgap.instances.formats import csv_format, discs, json_format, tsplib
+from cutgap.instances.formats.files import SIZE_LIMIT, read_text, write_atomically
+from cutgap.instances.formats.json_format import instance_json
+from cutgap.instances.formats.options import NO_OVERRIDES, MachineOptions
+from cutgap.instances.instance import Instance
+from cutgap.instances.plan import Plan
+
+__all__ = [
+    "NO_OVERRIDES",
+    "MachineOptions",
+    "instance_json",
+    "read_instance",
+    "read_plan",
+    "readable_suffixes",
+    "write_atomically",
+    "write_instance",
+    "write_plan",
+]
+
+_READERS: dict[str, Callable[[str, str, MachineOptions], Instance]] = {
+    ".json": json_format.parse_instance,
+    ".csv": csv_format.parse_instance,
+    ".tsp": tsplib.parse_instance,
+    ".atsp": tsplib.parse_instance,
+    ".cetsp": discs.parse_instance,
+    ".txt": discs.parse_instance,
+}
+_WRITERS: dict[str, Callable[[Instance], str]] = {
+    ".json": json_format.format_instance,
+    ".csv": csv_format.format_instance,
+    ".tsp": tsplib.format_instance,
+    ".atsp": tsplib.format_instance,
+}
+_PLAN_SUFFIXES = {".json": None}
+_Entry = TypeVar("_Entry")
+
+
+def readable_suffixes() -> tuple[str, ...]:
+    """Return the suffixes of the files that ``read_instance`` reads."""
+    return tuple(_READERS)
+
+
+def read_instance(path: str | Path, overrides: MachineOptions = NO_OVERRIDES) -> Instance:
+    """Return the instance in a file.
+
+    Parameters
+    ----------
+    path
+        The file; formats without a name field name the instance after it.
+    overrides
+        Homes and machine figures for formats that carry none, or in place of the file's.
+
+    Raises
+    ------
+    ValueError
+        Naming file, place and value: unknown suffix, unreadable or malformed file, missing homes.
+    """
+    path = Path(path)
+    reader = _chosen(path, _READERS, "read")
+    text = read_text(path)
+    try:
+        return reader(text, path.stem, overrides)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def write_instance(instance: Instance, path: str | Path) -> None:
+    """Write an instance, replacing the file as a whole.
+
+    CSV and TSPLIB files hold no machine figures, CSV files no homes: they are given again on reading.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is unknown or the format cannot hold the instance; nothing is written then.
+    OSError
+        When the file system refuses.
+    """
+    path = Path(path)
+    writer = _chosen(path, _WRITERS, "written")
+    try:
+        _write(path, writer(instance))
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def read_plan(path: str | Path, instance: Instance) -> Plan:
+    """Return the plan in a JSON file; it names contours and heads of ``instance`` by id.
+
+    Raises
+    ------
+    ValueError
+        Naming file, field path and value; also for what the instance does not have.
+    """
+    path = Path(path)
+    _chosen(path, _PLAN_SUFFIXES, "read as a plan")
+    text = read_text(path)
+    try:
+        return json_format.parse_plan(text, instance)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def write_plan(plan: Plan, instance: Instance, path: str | Path) -> None:
+    """Write a plan as JSON, replacing the file as a whole; errors as for ``write_instance``."""
+    path = Path(path)
+    _chosen(path, _PLAN_SUFFIXES, "written as a plan")
+    try:
+        _write(path, json_format.format_plan(plan, instance))
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def _chosen(path: Path, table: dict[str, _Entry], verb: str) -> _Entry:
+    suffix = path.suffix.lower()
+    if suffix not in table:
+        known = ", ".join(table)
+        raise ValueError(f"{path}: unknown suffix {suffix!r}; files that can be {verb} end in {known}")
+    return table[suffix]
+
+
+def _write(path: Path, text: str) -> None:
+    content = text.encode("utf-8")
+    if len(content) > SIZE_LIMIT:
+        raise ValueError(f"larger than the {SIZE_LIMIT >> 20} MiB that can be read again")
+    write_atomically(path, content)

@@ -1,0 +1,192 @@
+"""Versioned JSON for instances and plans: the format that holds everything, bit for bit.
+
+Contours and heads are named by id. Floats are written in the shortest form that reads back as the same
+double. The schemas ``instance.schema.json`` and ``plan.schema.json`` lie next to this module.
+"""
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from cutgap.instances.arrays import Floats, frozen_array
+from cutgap.instances.evaluate import require_known
+from cutgap.instances.formats.json_models import ContourModel, InstanceModel, PlanModel, VisitModel
+from cutgap.instances.formats.json_text import parse_json
+from cutgap.instances.formats.options import MachineOptions
+from cutgap.instances.instance import Contour, Head, Instance, Machine, Material
+from cutgap.instances.plan import Plan, Visit
+
+INSTANCE_FORMAT = "cutgap-instance"
+PLAN_FORMAT = "cutgap-plan"
+VERSION = 1
+
+
+def parse_instance(text: str, name: str, options: MachineOptions) -> Instance:
+    """Return the instance in a JSON text; given options replace the file's homes and figures.
+
+    Parameters
+    ----------
+    name
+        Not used: the text carries its own name.
+
+    Raises
+    ------
+    ValueError
+        Naming field path and value, when the text is not a valid instance.
+    """
+    model = parse_json(text, InstanceModel, INSTANCE_FORMAT)
+    if options.homes and model.matrix is not None:
+        raise ValueError("matrix: holds no lengths to other homes; leave --home out")
+    heads = tuple(Head(head.id, _points(head.home)) for head in model.heads)
+    positions = {contour.id: index for index, contour in enumerate(model.contours)}
+    pairs = []
+    for number, (before, after) in enumerate(model.precedence):
+        for contour in (before, after):
+            if contour not in positions:
+                raise ValueError(f"precedence[{number}]: no contour has the id {contour[:40]!r}")
+        pairs.append((positions[before], positions[after]))
+    return Instance(
+        name=model.name,
+        contours=tuple(_contour(contour) for contour in model.contours),
+        heads=options.heads() if options.homes else heads,
+        machine=options.machine(Machine(**model.machine.model_dump())),
+        precedence=tuple(pairs),
+        matrix=_matrix(model.matrix),
+        material=None if model.material is None else Material(**model.material.model_dump()),
+        located=model.located,
+    )
+
+
+def format_instance(instance: Instance) -> str:
+    """Return an instance as JSON text, one contour a line."""
+    return _layout(instance_json(instance))
+
+
+def instance_json(instance: Instance) -> dict[str, Any]:
+    """Return the whole content of an instance as the JSON file holds it; equal content, equal result."""
+    ids = [contour.id for contour in instance.contours]
+    document: dict[str, Any] = {
+        "format": INSTANCE_FORMAT,
+        "version": VERSION,
+        "name": instance.name,
+        "machine": asdict(instance.machine),
+        "heads": [_head_fields(head) for head in instance.heads],
+        "contours": [_contour_fields(contour) for contour in instance.contours],
+    }
+    if instance.precedence:
+        document["precedence"] = [[ids[before], ids[after]] for before, after in instance.precedence]
+    if instance.matrix is not None:
+        document["matrix"] = instance.matrix.tolist()
+    if instance.material is not None:
+        document["material"] = asdict(instance.material)
+    if not instance.located:
+        document["located"] = False
+    return document
+
+
+def parse_plan(text: str, instance: Instance) -> Plan:
+    """Return the plan in a JSON text; whether it is allowed is for ``check`` to say.
+
+    Raises
+    ------
+    ValueError
+        When the text is not a valid plan, names contours, entry points or heads that the instance does
+        not have, or does not name each head once.
+    """
+    model = parse_json(text, PlanModel, PLAN_FORMAT)
+    positions = {contour.id: index for index, contour in enumerate(instance.contours)}
+    heads = [head.id for head in instance.heads]
+    tours: dict[str, tuple[Visit, ...]] = {}
+    for number, tour in enumerate(model.tours):
+        place = f"tours[{number}]"
+        if tour.head not in heads:
+            names = ", ".join(heads)
+            raise ValueError(f"{place}.head: no head {tour.head[:40]!r}; the instance has {names:.200}")
+        if tour.head in tours:
+            raise ValueError(f"{place}.head: {tour.head[:40]!r} has a tour already; give one a head")
+        tours[tour.head] = tuple(
+            _visit(instance, positions, visit, f"{place}.visits[{step}]")
+            for step, visit in enumerate(tour.visits)
+        )
+    for head in heads:
+        if head not in tours:
+            raise ValueError(f"tours: none for head {head!r}; give it one, with no visits if it has no work")
+    return Plan(tuple(tours[head] for head in heads))
+
+
+def _visit(instance: Instance, positions: dict[str, int], visit: VisitModel, place: str) -> Visit:
+    if visit.contour not in positions:
+        raise ValueError(f"{place}.contour: no contour has the id {visit.contour[:40]!r}")
+    contour = positions[visit.contour]
+    count = len(instance.contours[contour].entry_points)
+    if visit.entry >= count:
+        raise ValueError(f"{place}.entry: expected less than {count}, got {visit.entry}")
+    return Visit(contour, visit.entry)
+
+
+def format_plan(plan: Plan, instance: Instance) -> str:
+    """Return a plan as JSON text; raises ``ValueError`` when it names what the instance does not have."""
+    require_known(instance, plan)
+    tours = [
+        {
+            "head": head.id,
+            "visits": [{"contour": instance.contours[c].id, "entry": entry} for c, entry in tour],
+        }
+        for head, tour in zip(instance.heads, plan.tours, strict=True)
+    ]
+    return _layout({"format": PLAN_FORMAT, "version": VERSION, "instance": instance.name, "tours": tours})
+
+
+def _points(values: list[float] | list[list[float]] | None) -> Floats | None:
+    return None if values is None else frozen_array(values, "points")
+
+
+def _matrix(rows: list[list[float]] | None) -> Floats | None:
+    """Refuse ragged rows here, where the row can be named."""
+    if rows is None:
+        return None
+    for number, row in enumerate(rows):
+        if len(row) != len(rows):
+            raise ValueError(
+                f"matrix[{number}]: expected {len(rows)} numbers as there are rows, got {len(row)}"
+            )
+    return frozen_array(rows, "matrix").reshape(len(rows), len(rows))
+
+
+def _contour(model: ContourModel) -> Contour:
+    points = frozen_array(model.entry_points, "entry_points")
+    return Contour(model.id, points, model.perimeter, model.part, model.ring, _points(model.geometry))
+
+
+def _contour_fields(contour: Contour) -> dict[str, Any]:
+    fields: dict[str, Any] = {
+        "id": contour.id,
+        "entry_points": contour.entry_points.tolist(),
+        "perimeter": contour.perimeter,
+    }
+    if contour.part is not None:
+        fields["part"] = contour.part
+    if contour.ring != "hole":
+        fields["ring"] = contour.ring
+    if contour.geometry is not None:
+        fields["geometry"] = contour.geometry.tolist()
+    return fields
+
+
+def _head_fields(head: Head) -> dict[str, Any]:
+    return {"id": head.id} if head.home is None else {"id": head.id, "home": head.home.tolist()}
+
+
+def _layout(document: dict[str, Any]) -> str:
+    """Return JSON with one top-level field, or one entry of a list, a line: short and easy to compare."""
+    fields = []
+    for key, value in document.items():
+        text = _dump(value)
+        if isinstance(value, list) and value:
+            text = "[\n" + ",\n".join(f"    {_dump(entry)}" for entry in value) + "\n  ]"
+        fields.append(f"  {_dump(key)}: {text}")
+    return "{\n" + ",\n".join(fields) + "\n}\n"
+
+
+def _dump(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
