@@ -3,6 +3,8 @@
 Each node is a set of fixings. Its relaxation is solved, cut and priced until nothing is violated; it is
 dropped when its bound reaches the limit, else it is branched on the variable whose two children, solved for a
 few simplex iterations, promise most (strong branching; Applegate, Bixby, Chvatal, Cook, 1995).
+
+The search remembers its tree with the multipliers that prove each leaf, from which a certificate is written.
 """
 
 import heapq
@@ -12,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cutgap.formulations.branch_and_cut.model import Fixing, Model
+from cutgap.formulations.branch_and_cut.model import Fixing, Model, Proof
 from cutgap.instances.progress import Progress, Watch, nobody
 
 STRONG_CANDIDATES = 8
@@ -24,11 +26,13 @@ TAIL_SHARE = 0.02
 
 @dataclass(order=True, slots=True)
 class Node:
-    """An open subproblem; the least bound goes first, then the deepest."""
+    """A subproblem; the least bound goes first, then the deepest. ``children`` once it is branched on."""
 
     bound: float
     order: tuple[int, int]
     fixings: tuple[Fixing, ...] = field(compare=False)
+    proof: Proof = field(compare=False, default=())
+    children: tuple["Node", ...] = field(compare=False, default=())
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +40,8 @@ class Outcome:
     """What a search proved: no solution costs less than ``lower_bound``.
 
     ``solution`` is the best one found (or given), ``value`` its cost. When the search is ``complete``, the
-    bound meets the cutoff or the value within the tolerance.
+    bound meets the cutoff or the value within the tolerance. ``root`` is the tree of proofs, ``fixes`` the
+    proofs by which variables were dropped at the root.
     """
 
     lower_bound: float
@@ -44,6 +49,8 @@ class Outcome:
     solution: Any | None
     complete: bool
     nodes: int
+    root: Node | None = None
+    fixes: tuple[Proof, ...] = ()
 
 
 class BranchAndCut:
@@ -79,8 +86,11 @@ class BranchAndCut:
         self.watch = watch
         self.started = time.perf_counter()
         self.nodes = 0
+        self.root = Node(-np.inf, (0, 0), ())
+        self.fixes: list[Proof] = []
+        self.open: list[Node] = [self.root]
+        self.current: Node | None = None  # taken off the heap and being worked on
         self.closed_bound = np.inf
-        self.open = [Node(-np.inf, (0, 0), ())]
 
     @property
     def limit(self) -> float:
@@ -91,95 +101,101 @@ class BranchAndCut:
     @property
     def lower_bound(self) -> float:
         """What is proved so far: the least bound among open and closed nodes."""
-        value = np.inf if self.incumbent is None else self.incumbent[0]
-        return float(min(self.closed_bound, value, self.open[0].bound if self.open else np.inf))
+        bounds = [self.closed_bound]
+        bounds += [] if self.incumbent is None else [self.incumbent[0]]
+        bounds += [node.bound for node in (self.current, *self.open[:1]) if node is not None]
+        return float(min(bounds))
 
     def run(self) -> Outcome:
         """Search until nothing below the limit is open, until the deadline or Ctrl-C."""
         complete = True
         try:
-            while self.open and self.open[0].bound < self.limit:
-                # The node stays on the heap while it is worked on: a stop leaves its bound in place.
-                if not self._process(self.open[0]):
-                    complete = False
-                    break
+            while self.open and self.open[0].bound < self.limit and complete:
+                self.current = heapq.heappop(self.open)
+                complete = self._process(self.current)
+                if complete:
+                    self.current = None
         except KeyboardInterrupt:
             complete = False
         value, solution = self.incumbent if self.incumbent is not None else (None, None)
-        return Outcome(self.lower_bound, value, solution, complete, self.nodes)
+        return Outcome(self.lower_bound, value, solution, complete, self.nodes, self.root, tuple(self.fixes))
 
     def _process(self, node: Node) -> bool:
-        """Close a node, pushing its children; False when the deadline passed first."""
+        """Close a node or push its children; False when the deadline passed first."""
         self.nodes += 1
         self.model.apply(node.fixings)
-        bounds = [node.bound]
+        bounds: list[float] = []
         while True:
             if time.perf_counter() > self.deadline:
                 return False
-            if not self.model.solve():
-                self._close(node, np.inf)
+            self.model.solve()
+            bound = self.model.bound()
+            bounds.append(bound)
+            if bound > node.bound:
+                node.bound, node.proof = bound, self.model.proof()
+            if np.isfinite(bound):
+                self._round()
+            if node.bound >= self.limit:
+                self.closed_bound = min(self.closed_bound, node.bound)
                 return True
-            bounds.append(max(bounds[-1], self.model.bound()))
-            self._round(bounds[-1])
-            if bounds[-1] >= self.limit:
-                self._close(node, bounds[-1])
-                return True
-            if not node.fixings:
-                self.model.tighten(self.limit)
-                node.bound = bounds[-1]
+            if not node.fixings and self.model.tighten(self.limit):
+                self.fixes.append(self.model.proof())
             if not self.model.separate(thorough=self._gains(bounds)):
                 break
-        self._branch(node, bounds[-1])
+        self._branch(node)
         return True
 
     def _gains(self, bounds: list[float]) -> bool:
         """Whether the last rounds closed a fair share of the gap."""
-        if len(bounds) <= TAIL_ROUNDS + 1 or not np.isfinite(self.limit):
+        if len(bounds) <= TAIL_ROUNDS or not np.isfinite(self.limit):
             return True
         before = bounds[-1 - TAIL_ROUNDS]
         return bounds[-1] - before >= TAIL_SHARE * (self.limit - before)
 
-    def _round(self, bound: float) -> None:
+    def _round(self) -> None:
         """Keep a better solution, and report."""
         found = self.model.round()
         if found is not None and (self.incumbent is None or found[0] < self.incumbent[0]):
             self.incumbent = found
         value = None if self.incumbent is None else self.incumbent[0]
-        proved = bound if self.nodes == 1 else self.lower_bound
         message = f"{self.nodes} nodes, {len(self.open)} open"
-        self.watch(Progress(time.perf_counter() - self.started, value, proved, message))
+        self.watch(Progress(time.perf_counter() - self.started, value, self.lower_bound, message))
 
-    def _close(self, node: Node, bound: float) -> None:
-        """Take the node, which is the first of the heap, off it."""
-        heapq.heappop(self.open)
-        self.closed_bound = min(self.closed_bound, bound)
-
-    def _branch(self, node: Node, bound: float) -> None:
-        """Replace the node by its two children, or close it when the point is a solution."""
+    def _branch(self, node: Node) -> None:
+        """Push the node's two children, or close it when its point is a solution."""
         candidates = self.model.candidates(STRONG_CANDIDATES)
         if not candidates:
-            self._close(node, bound)
+            self.closed_bound = min(self.closed_bound, node.bound)
             return
-        heapq.heappop(self.open)
-        variable, child_bounds = self._strongest(node, bound, candidates)
-        for fixing, child_bound in zip(self.model.children(variable), child_bounds, strict=True):
-            order = (-len(node.fixings), self.nodes * 2 + int(fixing.lower))
-            heapq.heappush(self.open, Node(child_bound, order, (*node.fixings, fixing)))
+        node.children = self._strongest(node, candidates)
+        for child in node.children:
+            heapq.heappush(self.open, child)
 
-    def _strongest(self, node: Node, bound: float, candidates: list[int]) -> tuple[int, list[float]]:
-        """Return the candidate with the best product of gains, and the bounds of its children."""
-        if len(candidates) == 1:
-            return candidates[0], [bound, bound]
-        basis = self.model.save_basis()
-        best, best_score, best_bounds = candidates[0], -1.0, [bound, bound]
+    def _strongest(self, node: Node, candidates: list[int]) -> tuple[Node, ...]:
+        """Return the children with the best product of gains among the candidates."""
+        basis = self.model.lp.save_basis()
+        best: tuple[Node, ...] = ()
+        best_score = -1.0
         for variable in candidates:
-            bounds = []
-            for fixing in self.model.children(variable):
-                self.model.apply((*node.fixings, fixing))
-                feasible = self.model.solve(STRONG_ITERATIONS)
-                bounds.append(max(bound, self.model.bound()) if feasible else np.inf)
-                self.model.restore_basis(basis)
-            gains = [max(min(each, self.limit) - bound, 1e-6) for each in bounds]
+            children = tuple(self._child(node, fixing) for fixing in self.model.children(variable))
+            if len(candidates) > 1:
+                for child in children:
+                    self._look_ahead(child)
+                    self.model.lp.restore_basis(basis)
+            gains = [max(min(child.bound, self.limit) - node.bound, 1e-6) for child in children]
             if gains[0] * gains[1] > best_score:
-                best, best_score, best_bounds = variable, gains[0] * gains[1], bounds
-        return best, best_bounds
+                best, best_score = children, gains[0] * gains[1]
+        return best
+
+    def _child(self, node: Node, fixing: Fixing) -> Node:
+        """Return a child with what its parent proved."""
+        order = (-len(node.fixings), 2 * self.nodes + int(fixing.lower > 0))
+        return Node(node.bound, order, (*node.fixings, fixing), node.proof)
+
+    def _look_ahead(self, child: Node) -> None:
+        """Raise a child's bound by a few simplex iterations."""
+        self.model.apply(child.fixings)
+        self.model.solve(STRONG_ITERATIONS)
+        bound = self.model.bound()
+        if bound > child.bound:
+            child.bound, child.proof = bound, self.model.proof()

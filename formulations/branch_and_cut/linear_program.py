@@ -1,10 +1,6 @@
-"""A linear program over HiGHS that grows by rows and columns and restarts from its last basis.
+"""A linear program over HiGHS that grows by rows and columns and restarts from its last basis."""
 
-The numbers that leave it are safe to build on: ``safe_bound`` recomputes the dual bound from the row duals
-by weak duality, so it holds within float rounding whatever the solver's tolerances did.
-"""
-
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import highspy
 import numpy as np
@@ -12,15 +8,38 @@ import numpy as np
 from cutgap.instances.arrays import Floats, Ints
 
 INFINITY = highspy.kHighsInf
+KNOWN = (
+    highspy.HighsModelStatus.kOptimal,
+    highspy.HighsModelStatus.kIterationLimit,
+    highspy.HighsModelStatus.kInfeasible,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """Point of a linear program: objective, columns ``x`` and row ``duals``."""
+    """Point of a linear program: columns ``x``, their reduced costs and row ``duals``.
 
-    objective: float
+    When the program is ``infeasible``, the duals are a ray that proves it, and the rest means nothing.
+    """
+
     x: Floats
+    reduced_costs: Floats
     duals: Floats
+    infeasible: bool = False
+
+    def without_rows(self, rows: Ints) -> "Solution":
+        """Return the point with some rows' duals left out."""
+        return replace(self, duals=np.delete(self.duals, rows))
+
+    def without_columns(self, columns: Ints) -> "Solution":
+        """Return the point with some columns left out."""
+        reduced_costs = np.delete(self.reduced_costs, columns)
+        return replace(self, x=np.delete(self.x, columns), reduced_costs=reduced_costs)
+
+    def with_columns(self, count: int) -> "Solution":
+        """Return the point with new columns at zero."""
+        x, reduced_costs = np.zeros(count), np.zeros(count)
+        return replace(self, x=np.append(self.x, x), reduced_costs=np.append(self.reduced_costs, reduced_costs))
 
 
 class LinearProgram:
@@ -105,8 +124,8 @@ class LinearProgram:
             self.lower[columns] = lower
             self.upper[columns] = upper
 
-    def solve(self, iteration_limit: int | None = None) -> Solution | None:
-        """Solve and return the last point; ``None`` when the program is infeasible.
+    def solve(self, iteration_limit: int | None = None) -> Solution:
+        """Solve and return the last point.
 
         With an iteration limit the point may lie short of the optimum: its duals still give a bound.
 
@@ -118,23 +137,18 @@ class LinearProgram:
         limit = iteration_limit if iteration_limit is not None else 2_000_000
         self._highs.setOptionValue("simplex_iteration_limit", limit)
         self._highs.run()
-        status = self._highs.getModelStatus()
-        statuses = highspy.HighsModelStatus
-        known = (statuses.kOptimal, statuses.kIterationLimit, statuses.kInfeasible)
-        if status not in known or (status == statuses.kIterationLimit and iteration_limit is None):
+        if self._highs.getModelStatus() not in KNOWN:
             self._highs.clearSolver()
             self._highs.run()
-            status = self._highs.getModelStatus()
-        if status == statuses.kInfeasible:
-            return None
-        if status not in known:
+        status = self._highs.getModelStatus()
+        if status == highspy.HighsModelStatus.kInfeasible:
+            _, known, ray = self._highs.getDualRay()
+            duals = np.array(ray) if known else np.zeros(self.row_count)
+            return Solution(np.zeros(len(self.costs)), np.zeros(len(self.costs)), duals, infeasible=True)
+        if status not in KNOWN:
             raise RuntimeError(f"linear program: HiGHS stopped with status {status}")
         point = self._highs.getSolution()
-        return Solution(
-            self._highs.getInfo().objective_function_value,
-            np.array(point.col_value),
-            np.array(point.row_dual),
-        )
+        return Solution(np.array(point.col_value), np.array(point.col_dual), np.array(point.row_dual))
 
     def save_basis(self) -> object:
         """Return the current basis."""

@@ -1,9 +1,29 @@
-"""What the engine asks of a problem: a relaxation that can be solved, cut, priced, rounded and branched on."""
+"""What the engine asks of a problem: a relaxation to be solved, cut, priced, rounded and branched on."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+
+from cutgap.formulations.branch_and_cut.linear_program import INFINITY, LinearProgram, Solution
+from cutgap.instances.arrays import Floats, Ints
+
+AGE = 4
+"""A cut whose dual was zero this many times in a row leaves the linear program."""
+
+NO_COLUMNS: Ints = np.empty(0, dtype=np.int64)
+NO_VALUES: Floats = np.empty(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A named row sum(a x) >= ``least``, or = ``least``; the name says all that rebuilding it needs."""
+
+    name: Hashable
+    least: float
+    equal: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,24 +35,70 @@ class Fixing:
     upper: float
 
 
-class Model(ABC):
-    """A mixed-integer problem as the engine sees it.
+Proof = tuple[tuple[Hashable, float], ...]
+"""Names of rows with their multipliers: what proves a node's bound."""
 
-    The model numbers its variables; which of them have a column in the linear program is its own affair. All
-    rows are valid for the whole problem, so they stay when the engine moves to another node.
+
+class Model(ABC):
+    """A mixed-integer problem over one growing linear program.
+
+    The model numbers its variables; which of them have a column is its own affair. All rows are valid for
+    the whole problem, so they stay when the engine moves to another node.
     """
+
+    def __init__(self) -> None:
+        self.lp = LinearProgram()
+        self.rows: list[Row] = []
+        self.ages: list[int] = []
+        self.permanent = 0  # the first rows, which never leave
+        self.solution: Solution
+
+    def add_row(self, row: Row, columns: Ints = NO_COLUMNS, values: Floats = NO_VALUES) -> None:
+        """Append a row to the linear program."""
+        self.lp.add_row(row.least, row.least if row.equal else INFINITY, columns, values)
+        self.rows.append(row)
+        self.ages.append(0)
+
+    def multipliers(self) -> Floats:
+        """Return the row duals of the last solve, with the signs that weak duality needs."""
+        duals = self.solution.duals.copy()
+        for index, row in enumerate(self.rows):
+            if duals[index] < 0.0 and not row.equal:
+                duals[index] = 0.0
+        return duals
+
+    def proof(self) -> Proof:
+        """Return the multipliers by name, without zeros."""
+        pairs = zip(self.rows, self.multipliers().tolist(), strict=True)
+        return tuple((row.name, multiplier) for row, multiplier in pairs if multiplier != 0.0)
+
+    def forget_slack_rows(self) -> None:
+        """Delete the cuts that were not binding for some time."""
+        for index in range(self.permanent, len(self.rows)):
+            self.ages[index] = 0 if self.solution.duals[index] > 1e-9 else self.ages[index] + 1
+        old = [i for i in range(self.permanent, len(self.rows)) if self.ages[i] > AGE]
+        if not old:
+            return
+        self.lp.delete_rows(np.array(old))
+        gone = set(old)
+        self.rows = [row for index, row in enumerate(self.rows) if index not in gone]
+        self.ages = [age for index, age in enumerate(self.ages) if index not in gone]
+        self.solution = self.solution.without_rows(np.array(old))
 
     @abstractmethod
     def apply(self, fixings: Sequence[Fixing]) -> None:
         """Reset all bounds to the root's, then set the given ones."""
 
     @abstractmethod
-    def solve(self, iteration_limit: int | None = None) -> bool:
-        """Solve the relaxation, pricing included unless a limit is given; False when it is infeasible."""
+    def solve(self, iteration_limit: int | None = None) -> None:
+        """Solve the relaxation, pricing included unless a limit is given.
+
+        An infeasible one leaves its proof, a ray, in the solution's duals.
+        """
 
     @abstractmethod
     def bound(self) -> float:
-        """Return a lower bound on the current node from the row duals, by weak duality."""
+        """Return a lower bound on the current node from the multipliers; infinity when infeasible."""
 
     @abstractmethod
     def separate(self, *, thorough: bool) -> int:
@@ -43,7 +109,7 @@ class Model(ABC):
         """Return a solution near the current point with its value; the point itself when it is one."""
 
     @abstractmethod
-    def tighten(self, cutoff: float) -> None:
+    def tighten(self, cutoff: float) -> bool:
         """At the root: drop variables that no solution below the cutoff uses, by reduced costs."""
 
     @abstractmethod
@@ -52,12 +118,4 @@ class Model(ABC):
 
     @abstractmethod
     def children(self, variable: int) -> tuple[Fixing, Fixing]:
-        """Return the two sides of branching on a fractional variable."""
-
-    @abstractmethod
-    def save_basis(self) -> Any:
-        """Return the basis of the linear program."""
-
-    @abstractmethod
-    def restore_basis(self, basis: Any) -> None:
-        """Go back to a saved basis (no rows or columns were added since)."""
+        """Return the two sides of branching on a fractional variable: at most its floor, at least the next."""

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -23,6 +24,8 @@ from cutgap.instances.arrays import Floats, Ints
 
 VIOLATION = 1e-4
 """Least violation of a cut that is worth adding."""
+
+Mask = npt.NDArray[np.bool_]
 
 Blossom = tuple[set[int], list[tuple[int, int]]]
 """A handle and its teeth, edges of its boundary."""
@@ -87,21 +90,24 @@ class Support:
         return Support(count, keys // count, keys % count, x)
 
 
-def separate_subtours(support: Support, root: int = 0, demand: Floats | None = None) -> list[Cut]:
-    """Return violated cuts (S) by minimum cuts from the root; exact up to ``VIOLATION``.
+def separate_subtours(support: Support) -> list[Cut]:
+    """Return violated cuts (S) by minimum cuts, exact up to ``VIOLATION``, each by its smaller side."""
+    cuts = []
+    for mask in connectivity_violations(support, 0, np.full(support.nodes, 2.0)):
+        smaller = mask if 2 * mask.sum() <= support.nodes else ~mask
+        cuts.append(Cut.subtour(np.flatnonzero(smaller).tolist()))
+    return list(dict.fromkeys(cuts))
 
-    With a ``demand`` d (default 2 everywhere) the sets S avoid the root and violate
-    x(delta(S)) >= max over v in S of d[v].
-    """
-    demand = np.full(support.nodes, 2.0) if demand is None else demand
+
+def connectivity_violations(support: Support, root: int, demand: Floats) -> list[Mask]:
+    """Return masks of sets S without the root that violate x(delta(S)) >= max of the demands in S."""
     label = support.components()
-    parts = [np.flatnonzero(label == c) for c in range(label.max() + 1) if c != label[root]]
-    masks = [part for part in parts if demand[part].max() > VIOLATION]
-    if not masks:
-        graph = build_graph(support.nodes, support.tails, support.heads)
-        found = cuts_below_demand(graph, support.x, root, demand, VIOLATION)
-        masks = [np.flatnonzero(mask) for mask in found]
-    return list(dict.fromkeys(Cut.subtour(mask.tolist()) for mask in masks))
+    apart = [label == c for c in range(label.max() + 1) if c != label[root]]
+    masks = [part for part in apart if demand[part].max() > VIOLATION]
+    if masks:
+        return masks
+    graph = build_graph(support.nodes, support.tails, support.heads)
+    return list(cuts_below_demand(graph, support.x, root, demand, VIOLATION))
 
 
 def separate_combs(
@@ -154,34 +160,32 @@ def _blossoms(support: Support, label: Ints) -> Iterator[Cut]:
     graph = build_graph(count, small.tails[fractional], small.heads[fractional])
     _, weights, sides = cut_tree(graph, weight[fractional])
     members = [frozenset(np.flatnonzero(label == c).tolist()) for c in range(count)]
-    for node in range(1, count):
-        if weights[node] >= 1.0 - VIOLATION:
-            continue
-        blossom = _odd_cut(small, sides[node])
-        if blossom is None:
-            continue
-        handle, teeth = blossom
+    for handle, teeth in _odd_cuts(small, sides[1:][weights[1:] < 1.0 - VIOLATION]):
         nodes = frozenset().union(*(members[v] for v in handle))
         cut = Cut.comb(nodes, [members[u] | members[v] for u, v in teeth])
         if sum(support.cut_value(s) for s in cut.sets) < cut.least - VIOLATION:
             yield cut
 
 
-def _odd_cut(small: Support, side: np.ndarray) -> Blossom | None:
-    """Choose the teeth of the handle ``side``: an odd number of disjoint edges of its boundary."""
-    crossing = np.flatnonzero(side[small.tails] != side[small.heads])
-    if len(crossing) == 0:
-        return None
-    chosen = small.x[crossing] > 0.5
-    if chosen.sum() % 2 == 0:
-        cheapest = int(np.argmin(np.abs(1.0 - 2.0 * small.x[crossing])))
-        chosen[cheapest] = not chosen[cheapest]
-    if (np.where(chosen, 1.0 - small.x[crossing], small.x[crossing])).sum() >= 1.0 - VIOLATION:
-        return None
-    handle = set(np.flatnonzero(side).tolist())
-    edges = crossing[chosen]
-    teeth = list(zip(small.tails[edges].tolist(), small.heads[edges].tolist(), strict=True))
-    return _disjoint(handle, teeth)
+def _odd_cuts(small: Support, sides: Mask) -> Iterator[Blossom]:
+    """Yield handles among the rows of ``sides`` with an odd number of teeth that are violated.
+
+    The teeth are the boundary edges above 1/2; where they are even in number, the edge nearest to 1/2
+    changes its role.
+    """
+    crossing = sides[:, small.tails] != sides[:, small.heads]
+    chosen = crossing & (small.x > 0.5)
+    even = np.flatnonzero((chosen.sum(axis=1) % 2 == 0) & crossing.any(axis=1))
+    doubt = np.where(crossing[even], np.abs(1.0 - 2.0 * small.x), np.inf)
+    cheapest = np.argmin(doubt, axis=1)
+    chosen[even, cheapest] = ~chosen[even, cheapest]
+    slack = np.where(chosen, 1.0 - small.x, np.where(crossing, small.x, 0.0)).sum(axis=1)
+    for row in np.flatnonzero((slack < 1.0 - VIOLATION) & (chosen.sum(axis=1) % 2 == 1)):
+        edges = np.flatnonzero(chosen[row])
+        teeth = list(zip(small.tails[edges].tolist(), small.heads[edges].tolist(), strict=True))
+        blossom = _disjoint(set(np.flatnonzero(sides[row]).tolist()), teeth)
+        if blossom is not None:
+            yield blossom
 
 
 def _disjoint(handle: set[int], teeth: list[tuple[int, int]]) -> Blossom | None:

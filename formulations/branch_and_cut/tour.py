@@ -16,13 +16,12 @@ rule out are gone and the rest have all entered.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 
 from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
-from cutgap.formulations.branch_and_cut.linear_program import INFINITY, LinearProgram, Solution
-from cutgap.formulations.branch_and_cut.model import Fixing, Model
+from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.separation import (
     Cut,
     Support,
@@ -48,50 +47,35 @@ FORCED = 1e7
 COMPLETE = 12
 """Once at most this many edges a node are left, all of them get a column and pricing ends."""
 
-NO_COLUMNS: Ints = np.empty(0, dtype=np.int64)
-NO_VALUES: Floats = np.empty(0)
-
-AGE = 4
-"""Rows slack in this many root rounds are deleted."""
-
-
-@dataclass(frozen=True, slots=True)
-class Prices:
-    """Row duals: of the degree equations, of the via row, and of each cut (all but the first clipped at 0)."""
-
-    degree: Floats
-    via: float
-    cuts: Floats
+RAY = 1e-6
+"""An infeasible program's ray proves it when its value exceeds this."""
 
 
 class TourModel(Model):
     """The model above, as the engine sees it; variable u * n + v with u < v is the edge u - v."""
 
-    def __init__(self, lengths: Floats, via: Sequence[int], tour: Ints, cuts: Iterable[Cut] = ()) -> None:
+    def __init__(self, lengths: Floats, via: Ints, tour: Ints, cuts: Iterable[Cut] = ()) -> None:
+        super().__init__()
         self.lengths = lengths
         self.nodes = len(lengths)
-        self.via = np.array(sorted(via), dtype=np.int64)
-        self.cuts: list[Cut] = []
-        self.slack_rounds: list[int] = []
+        self.via = via
         self.complete = False  # whether every edge that is left has a column
-        self.removed = np.zeros((self.nodes, self.nodes), dtype=bool)
+        self.removed = np.eye(self.nodes, dtype=bool)
         self.rng = np.random.default_rng(0)
-        self.lp = LinearProgram()
-        self.tails = np.empty(0, dtype=np.int64)
-        self.heads = np.empty(0, dtype=np.int64)
-        self.solution: Solution
-        for _ in range(self.nodes):
-            self.lp.add_row(2.0, 2.0, NO_COLUMNS, NO_VALUES)
-        if len(self.via):
-            self.lp.add_row(1.0, INFINITY, NO_COLUMNS, NO_VALUES)
+        self.tails, self.heads = NO_COLUMNS, NO_COLUMNS
+        for node in range(self.nodes):
+            self.add_row(Row(("degree", node), 2.0, equal=True))
+        if len(via):
+            self.add_row(Row(("via",), 1.0))
+        self.permanent = len(self.rows)
         self._add_edges(*self._initial_edges(tour))
         for cut in cuts:
             self._add_cut(cut)
 
     @property
-    def first_cut(self) -> int:
-        """Row of the first cut."""
-        return self.nodes + (1 if len(self.via) else 0)
+    def cuts(self) -> list[Cut]:
+        """The cuts among the rows, in their order."""
+        return [row.name for row in self.rows[self.permanent :] if isinstance(row.name, Cut)]
 
     def _initial_edges(self, tour: Ints) -> tuple[Ints, Ints]:
         """Edges of the tour, to near neighbours, and between home and via nodes."""
@@ -115,7 +99,7 @@ class TourModel(Model):
         for index, cut in enumerate(self.cuts):
             coefficients = cut.coefficients(tails, heads, self.nodes)
             hits = np.flatnonzero(coefficients)
-            rows.append(np.full(len(hits), self.first_cut + index))
+            rows.append(np.full(len(hits), self.permanent + index))
             columns.append(hits)
             values.append(coefficients[hits])
         row, column, value = np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
@@ -129,9 +113,7 @@ class TourModel(Model):
     def _add_cut(self, cut: Cut) -> None:
         coefficients = cut.coefficients(self.tails, self.heads, self.nodes)
         hits = np.flatnonzero(coefficients)
-        self.lp.add_row(cut.least, INFINITY, hits, coefficients[hits])
-        self.cuts.append(cut)
-        self.slack_rounds.append(0)
+        self.add_row(Row(cut, float(cut.least)), hits, coefficients[hits])
 
     # Relaxation
 
@@ -145,44 +127,35 @@ class TourModel(Model):
         changed = (lower != self.lp.lower) | (upper != self.lp.upper)
         self.lp.change_bounds(columns[changed], lower[changed], upper[changed])
 
-    def solve(self, iteration_limit: int | None = None) -> bool:
+    def solve(self, iteration_limit: int | None = None) -> None:
         while True:
-            solution = self.lp.solve(iteration_limit)
-            if solution is None:
-                return False
-            self.solution = solution
+            self.solution = self.lp.solve(iteration_limit)
             if self.complete or iteration_limit is not None or not self._price():
-                return True
+                return
 
-    def prices(self) -> Prices:
-        """Return the row duals with the signs that weak duality needs."""
-        duals = self.solution.duals
-        via = max(0.0, duals[self.nodes]) if len(self.via) else 0.0
-        return Prices(duals[: self.nodes], via, np.maximum(0.0, duals[self.first_cut :]))
+    def reduced_costs(self, multipliers: Floats) -> Floats:
+        """Return c_e minus the priced rows for all edges, shape (n, n); removed edges get infinity.
 
-    def reduced_costs(self, prices: Prices) -> Floats:
-        """Return c_e minus the priced rows for all edges, shape (n, n); removed edges get infinity."""
-        potential = prices.degree.copy()
-        inside: list[tuple[Ints, float]] = []
-        for cut, price in zip(self.cuts, prices.cuts, strict=True):
+        For a ray of an infeasible program the c_e are left out.
+        """
+        lengths = np.zeros_like(self.lengths) if self.solution.infeasible else self.lengths
+        sets, prices = [], []
+        for cut, price in zip(self.cuts, multipliers[self.permanent :], strict=True):
             if price > 0.0:
-                for members in cut.sets:
-                    nodes = np.fromiter(members, dtype=np.int64, count=len(members))
-                    potential[nodes] += price
-                    inside.append((nodes, 2.0 * price))
-        # An edge crosses S once if one end is inside; both ends inside pay twice too much above.
-        costs = self.lengths - potential[:, None] - potential[None, :]
-        for nodes, excess in inside:
-            costs[np.ix_(nodes, nodes)] += excess
-        costs[0, self.via] -= prices.via
-        costs[self.via, 0] -= prices.via
+                sets += [list(members) for members in cut.sets]
+                prices += [price] * len(cut.sets)
+        starts = np.cumsum([0, *map(len, sets)])
+        members = np.array([node for each in sets for node in each], dtype=np.int64)
+        costs = _subtract_sets(lengths, multipliers[: self.nodes], starts, members, np.array(prices))
+        if len(self.via):
+            costs[0, self.via] -= multipliers[self.nodes]
+            costs[self.via, 0] -= multipliers[self.nodes]
         costs[self.removed] = np.inf
-        np.fill_diagonal(costs, np.inf)
         return costs
 
     def _price(self) -> bool:
         """Add the edges of most negative reduced cost; False when there are none."""
-        costs = self.reduced_costs(self.prices())
+        costs = self.reduced_costs(self.multipliers())
         costs[self.tails, self.heads] = np.inf
         tails, heads = np.nonzero(np.triu(costs < -1e-7, 1))
         if len(tails) == 0:
@@ -192,31 +165,37 @@ class TourModel(Model):
         return True
 
     def bound(self) -> float:
-        prices = self.prices()
-        costs = np.triu(self.reduced_costs(prices), 1)
-        right = 2.0 * prices.degree.sum() + prices.via
-        right += sum(p * cut.least for p, cut in zip(prices.cuts, self.cuts, strict=True) if p > 0.0)
-        own = costs[self.tails, self.heads]
-        fixed = np.minimum(own * self.lp.lower, own * self.lp.upper).sum()
-        costs[self.tails, self.heads] = 0.0
-        return float(right + fixed + np.minimum(costs, 0.0).sum())
+        multipliers = self.multipliers()
+        right = float(multipliers @ np.array([row.least for row in self.rows]))
+        if self.solution.infeasible or not self.complete:
+            costs = np.triu(self.reduced_costs(multipliers), 1)
+            own = costs[self.tails, self.heads]
+            costs[self.tails, self.heads] = 0.0
+            right += float(np.minimum(costs, 0.0).sum())
+        else:
+            own = self.solution.reduced_costs
+        value = right + float(np.minimum(own * self.lp.lower, own * self.lp.upper).sum())
+        if self.solution.infeasible:
+            return np.inf if value > RAY else -np.inf
+        return value
 
-    def tighten(self, cutoff: float) -> None:
+    def tighten(self, cutoff: float) -> bool:
         if not np.isfinite(cutoff):
-            return
-        self.removed |= self.reduced_costs(self.prices()) > cutoff - self.bound()
-        np.fill_diagonal(self.removed, True)
+            return False
+        out = (self.reduced_costs(self.multipliers()) > cutoff - self.bound()) & ~self.removed
+        self.removed |= out
         gone = np.flatnonzero(self.removed[self.tails, self.heads])
         self.lp.delete_columns(gone)
-        self.solution = replace(self.solution, x=np.delete(self.solution.x, gone))
+        self.solution = self.solution.without_columns(gone)
         self.tails, self.heads = np.delete(self.tails, gone), np.delete(self.heads, gone)
         missing = np.triu(~self.removed, 1)
         missing[self.tails, self.heads] = False
         tails, heads = np.nonzero(missing)
         if len(tails) + len(self.tails) <= COMPLETE * self.nodes:
             self._add_edges(tails, heads)
-            self.solution = replace(self.solution, x=np.append(self.solution.x, np.zeros(len(tails))))
+            self.solution = self.solution.with_columns(len(tails))
             self.complete = True
+        return bool(out.any())
 
     # Cuts
 
@@ -226,31 +205,20 @@ class TourModel(Model):
         return Support(self.nodes, self.tails[used], self.heads[used], self.solution.x[used])
 
     def separate(self, *, thorough: bool) -> int:
-        self._delete_slack_rows()
+        self.forget_slack_rows()
         support = self.support()
         found = separate_subtours(support)
         if not found and thorough:
             found = separate_combs(support, self._tight_sets(support), self.rng)
-        known = set(self.cuts)
-        new = [cut for cut in found if cut not in known]
-        for cut in new:
-            self._add_cut(cut)
+        new = set(found).difference(self.cuts)
+        for cut in found:
+            if cut in new:
+                self._add_cut(cut)
         return len(new)
 
     def _tight_sets(self, support: Support) -> list[frozenset[int]]:
         sets = [cut.sets[0] for cut in self.cuts if len(cut.sets) == 1]
         return [members for members in sets if support.cut_value(members) < 2.0 + INTEGRALITY]
-
-    def _delete_slack_rows(self) -> None:
-        duals = self.solution.duals[self.first_cut :]
-        self.slack_rounds = [
-            0 if dual > 1e-9 else age + 1 for age, dual in zip(self.slack_rounds, duals, strict=True)
-        ]
-        old = [index for index, age in enumerate(self.slack_rounds) if age > AGE]
-        self.lp.delete_rows(np.array(old, dtype=np.int64) + self.first_cut)
-        gone = set(old)
-        self.cuts = [cut for index, cut in enumerate(self.cuts) if index not in gone]
-        self.slack_rounds = [age for index, age in enumerate(self.slack_rounds) if index not in gone]
 
     # Search
 
@@ -271,11 +239,21 @@ class TourModel(Model):
     def children(self, variable: int) -> tuple[Fixing, Fixing]:
         return Fixing(variable, 0.0, 0.0), Fixing(variable, 1.0, 1.0)
 
-    def save_basis(self) -> object:
-        return self.lp.save_basis()
 
-    def restore_basis(self, basis: object) -> None:
-        self.lp.restore_basis(basis)
+@njit(cache=True)
+def _subtract_sets(lengths: Floats, degree: Floats, starts: Ints, members: Ints, prices: Floats) -> Floats:
+    """Return lengths minus the prices of the degree equations and of the sets that each edge crosses."""
+    potential = degree.copy()
+    for s in range(len(prices)):
+        for i in range(starts[s], starts[s + 1]):
+            potential[members[i]] += prices[s]
+    costs = lengths - potential.reshape(-1, 1) - potential
+    # An edge with both ends in a set does not cross it: it gets back what its ends paid.
+    for s in range(len(prices)):
+        for i in range(starts[s], starts[s + 1]):
+            for j in range(starts[s], starts[s + 1]):
+                costs[members[i], members[j]] += 2.0 * prices[s]
+    return costs
 
 
 def best_tour(lengths: Floats, via: Ints, guide: Floats, kicks: int = 0) -> tuple[float, Ints]:
@@ -341,7 +319,7 @@ def shortest_tour(
     if nodes <= 3:  # the tour is the only one, but for its direction
         return Outcome(start[0], start[0], start[1], True, 0)
     search = BranchAndCut(
-        TourModel(lengths, via_nodes.tolist(), start[1]),
+        TourModel(lengths, via_nodes, start[1]),
         incumbent=start,
         cutoff=cutoff,
         tolerance=TOLERANCE * max(1.0, start[0]),
