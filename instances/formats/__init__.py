@@ -18,18 +18,16 @@ from typing import TypeVar
 
 from cutgap.instances.formats import csv_format, discs, json_format, tsplib
 from cutgap.instances.formats.files import SIZE_LIMIT, read_text, write_atomically
-from cutgap.instances.formats.json_format import instance_json
 from cutgap.instances.formats.options import NO_OVERRIDES, MachineOptions
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
 
 __all__ = [
     "NO_OVERRIDES",
+    "READABLE_SUFFIXES",
     "MachineOptions",
-    "instance_json",
     "read_instance",
     "read_plan",
-    "readable_suffixes",
     "write_atomically",
     "write_instance",
     "write_plan",
@@ -43,6 +41,8 @@ _READERS: dict[str, Callable[[str, str, MachineOptions], Instance]] = {
     ".cetsp": discs.parse_instance,
     ".txt": discs.parse_instance,
 }
+READABLE_SUFFIXES = tuple(_READERS)
+"""Suffixes of files that ``read_instance`` takes."""
 _WRITERS: dict[str, Callable[[Instance], str]] = {
     ".json": json_format.format_instance,
     ".csv": csv_format.format_instance,
@@ -51,11 +51,6 @@ _WRITERS: dict[str, Callable[[Instance], str]] = {
 }
 _PLAN_SUFFIXES = {".json": None}
 _Entry = TypeVar("_Entry")
-
-
-def readable_suffixes() -> tuple[str, ...]:
-    """Return the suffixes of the files that ``read_instance`` reads."""
-    return tuple(_READERS)
 
 
 def read_instance(path: str | Path, overrides: MachineOptions = NO_OVERRIDES) -> Instance:

@@ -59,11 +59,6 @@ def parse_instance(text: str, name: str, options: MachineOptions) -> Instance:
 
 def format_instance(instance: Instance) -> str:
     """Return an instance as JSON text, one contour a line."""
-    return _layout(instance_json(instance))
-
-
-def instance_json(instance: Instance) -> dict[str, Any]:
-    """Return the whole content of an instance as the JSON file holds it; equal content, equal result."""
     ids = [contour.id for contour in instance.contours]
     document: dict[str, Any] = {
         "format": INSTANCE_FORMAT,
@@ -81,7 +76,7 @@ def instance_json(instance: Instance) -> dict[str, Any]:
         document["material"] = asdict(instance.material)
     if not instance.located:
         document["located"] = False
-    return document
+    return _layout(document)
 
 
 def parse_plan(text: str, instance: Instance) -> Plan:
