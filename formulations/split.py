@@ -194,6 +194,8 @@ class SplitSearch:
             return True
         head = self._loose_head(cell)
         if head is None:
+            # Both tours may be known from other cells, which offered them with other partners.
+            self._offer_tours(cell)
             heapq.heappop(self.heap)
             self.closed_bound = min(self.closed_bound, cell.bound)
             return True

@@ -43,8 +43,8 @@ class Problem:
 
     def work(self, contours: list[int]) -> float:
         """Seconds that a head stands still: cutting and auxiliary time."""
-        cutting = sum((Fraction(self.perimeters[c]) for c in contours), Fraction(0)) / Fraction(self.v_cut)
-        return float(cutting + Fraction(self.t_aux) * len(contours))
+        cutting = math.fsum(self.perimeters[contour] for contour in contours)
+        return cutting / self.v_cut + self.t_aux * len(contours)
 
 
 @dataclass(frozen=True)
