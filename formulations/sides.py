@@ -83,12 +83,9 @@ class Sides:
         complete = True
         if not side.relaxed:
             side.relaxed = True
-            value, tour = best_tour(lengths, via, lengths, kicks=KICKS * len(lengths))
-            self._keep(side, value, tour)
+            lower = self.tour(members).upper
             if len(lengths) >= 3:
-                lower, _ = held_karp_bound(lengths, tuple(via.tolist()), target=min(cutoff, value))
-            else:
-                lower = value
+                lower, _ = held_karp_bound(lengths, tuple(via.tolist()), target=min(cutoff, lower))
         else:
             start = side.upper, self._tour(side)
             outcome = shortest_tour(lengths, via.tolist(), start=start, cutoff=cutoff, deadline=deadline)
@@ -100,10 +97,37 @@ class Sides:
             self._known.append((members, side.lower))
         return complete and time.perf_counter() <= deadline
 
+    def tour(self, members: int) -> Side:
+        """Return a set with a tour, by local search if none is known."""
+        side = self.side(members)
+        if not np.isfinite(side.upper):
+            lengths = self.lengths(side.contours)
+            self._keep(side, *best_tour(lengths, self.via(side.contours), lengths, KICKS * len(lengths)))
+        return side
+
+    def removal_gains(self, order: tuple[int, ...]) -> Floats:
+        """Return by how much a tour gets shorter when each of its contours is left out, mm."""
+        nodes = self._nodes(order)
+        before, after = np.roll(nodes, 1), np.roll(nodes, -1)
+        rapids = self.instance.rapids
+        gains = rapids[before, nodes] + rapids[nodes, after] - rapids[before, after]
+        return gains[len(nodes) - len(order) :]
+
+    def insertion_cost(self, order: tuple[int, ...], contour: int) -> float:
+        """Return by how much a tour gets longer when a contour is put at its best place, mm."""
+        nodes, new = self._nodes(order), self.instance.node(contour)
+        after, rapids = np.roll(nodes, -1), self.instance.rapids
+        if len(nodes) == 0:
+            return 0.0
+        return float((rapids[nodes, new] + rapids[new, after] - rapids[nodes, after]).min())
+
+    def _nodes(self, contours: tuple[int, ...]) -> Ints:
+        nodes = [self.instance.node(contour) for contour in contours]
+        return np.array(nodes if self.home is None else [self.home, *nodes], dtype=np.int64)
+
     def lengths(self, contours: tuple[int, ...]) -> Floats:
         """Return rapid lengths between the home (if any, first) and the contours."""
-        nodes = [self.instance.node(contour) for contour in contours]
-        nodes = nodes if self.home is None else [self.home, *nodes]
+        nodes = self._nodes(contours)
         return self.instance.rapids[np.ix_(nodes, nodes)]
 
     def via(self, contours: tuple[int, ...]) -> Ints:

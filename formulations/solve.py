@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 
+from cutgap.formulations.free import solve_free
 from cutgap.formulations.split import solve_split
 from cutgap.instances import Instance, Plan, Result, Rules
 from cutgap.instances.progress import Watch, nobody
 
-METHODS: dict[str, Callable[..., Result]] = {"split": solve_split}
+METHODS: dict[str, Callable[..., Result]] = {"split": solve_split, "free": solve_free}
 """Exact methods by name; ``auto`` chooses among them."""
 
 
@@ -38,7 +39,7 @@ def solve(
         When the method is unknown or does not apply to the instance.
     """
     if method == "auto":
-        method = "split"
+        method = "free" if rules.non_overlap is None or rules.balance is not None else "split"
     if method not in METHODS:
         raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
     return METHODS[method](instance, rules, time_limit=time_limit, start=start, watch=watch)

@@ -34,9 +34,9 @@ from itertools import groupby
 
 import numpy as np
 
+from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
 from cutgap.instances import Instance, Plan, Result, Rules, conclude, evaluate
-from cutgap.instances.check import require_coordinates
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
 
@@ -80,21 +80,11 @@ def solve_split(
 
 def require_scope(instance: Instance, rules: Rules) -> None:
     """Raise ``ValueError``, saying why, when the threshold search does not apply."""
-    name = f"instance {instance.name!r}, method split"
-    require_coordinates(instance, rules)
-    if len(instance.heads) != 2:
-        raise ValueError(f"{name}: needs two heads, got {len(instance.heads)}")
+    require_two_heads(instance, rules, "split")
     if rules.non_overlap is None:
-        raise ValueError(f"{name}: needs a non-overlap limit")
+        raise ValueError(f"instance {instance.name!r}, method split: needs a non-overlap limit")
     if rules.balance is not None:
-        raise ValueError(f"{name}: does not take a balance limit")
-    if instance.precedence:
-        raise ValueError(f"{name}: does not take precedence pairs")
-    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
-    if several is not None:
-        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
-    if instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
-        raise ValueError(f"{name}: needs symmetric rapid lengths")
+        raise ValueError(f"instance {instance.name!r}, method split: does not take a balance limit")
 
 
 def obeys_triangle_inequality(instance: Instance) -> bool:

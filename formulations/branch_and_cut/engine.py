@@ -174,10 +174,12 @@ class BranchAndCut:
     def _strongest(self, node: Node, candidates: list[int]) -> tuple[Node, ...]:
         """Return the children with the best product of gains among the candidates."""
         basis = self.model.lp.save_basis()
+        # The sides are those of this node's point, so all are taken before a look ahead replaces it.
+        pairs = [self.model.children(variable) for variable in candidates]
         best: tuple[Node, ...] = ()
         best_score = -1.0
-        for variable in candidates:
-            children = tuple(self._child(node, fixing) for fixing in self.model.children(variable))
+        for pair in pairs:
+            children = tuple(self._child(node, fixing) for fixing in pair)
             if len(candidates) > 1:
                 for child in children:
                     self._look_ahead(child)

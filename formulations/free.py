@@ -1,0 +1,103 @@
+r"""Two heads with the partition free: branch and cut on one model (see ``branch_and_cut.two_heads``).
+
+It takes every rule of ``Rules``: overlap or a least gap, a balance limit, via points, heads that may rest, and
+any weight. Where the threshold search (``split``) applies, that is much faster.
+"""
+
+import time
+
+import numpy as np
+
+from cutgap.formulations.assignment import Divisions
+from cutgap.formulations.branch_and_cut.engine import BranchAndCut
+from cutgap.formulations.branch_and_cut.two_heads import TwoHeadsModel
+from cutgap.formulations.scope import require_two_heads
+from cutgap.formulations.sides import Sides
+from cutgap.instances import Instance, Plan, Result, Rules, conclude
+from cutgap.instances.arrays import Floats
+from cutgap.instances.progress import Progress, Watch, nobody
+from cutgap.instances.result import OPTIMALITY_TOLERANCE
+
+
+def solve_free(
+    instance: Instance,
+    rules: Rules,
+    *,
+    time_limit: float | None = None,
+    start: Plan | None = None,
+    watch: Watch = nobody,
+) -> Result:
+    """Solve the two-head problem under any rules by branch and cut.
+
+    Parameters
+    ----------
+    time_limit
+        Seconds after which the best plan and the bound proved so far are returned; Ctrl-C does the same.
+    start
+        A plan to start from; one that breaks rules is ignored.
+
+    Raises
+    ------
+    ValueError
+        When the instance is outside of this method: not two heads with homes, several entry points,
+        precedence, asymmetric lengths.
+    """
+    started = time.perf_counter()
+    require_two_heads(instance, rules, "free")
+    homeless = next((head.id for head in instance.heads if head.home is None), None)
+    if homeless is not None:
+        raise ValueError(f"instance {instance.name!r}, method free: head {homeless!r} needs a home")
+    if not instance.contours:
+        return conclude(instance, rules, Plan(((), ())), method="free", seconds=0.0, lower_bound=0.0)
+    via = rules.via_points
+    sides = (
+        Sides(instance, 0, via_points=via, inherits=False),
+        Sides(instance, 1, via_points=via, inherits=False),
+    )
+    divisions = Divisions(instance, rules, sides)
+    unit = divisions.in_mm(1.0)
+    incumbent = _incumbent(instance, rules, divisions, start)
+
+    def report(progress: Progress) -> None:
+        value = None if progress.value is None else progress.value / unit
+        bound = None if progress.lower_bound is None else progress.lower_bound / unit
+        watch(Progress(progress.seconds, value, bound, progress.message))
+
+    search = BranchAndCut(
+        TwoHeadsModel(instance, rules, divisions.around),
+        incumbent=incumbent,
+        tolerance=OPTIMALITY_TOLERANCE / 2 * (1.0 if incumbent is None else max(1.0, incumbent[0])),
+        deadline=np.inf if time_limit is None else started + time_limit,
+        watch=report,
+    )
+    outcome = search.run()
+    proved = bool(np.isfinite(outcome.lower_bound))
+    return conclude(
+        instance,
+        rules,
+        outcome.solution,
+        method="free",
+        seconds=time.perf_counter() - started,
+        lower_bound=outcome.lower_bound / unit if proved else None,
+        infeasible=outcome.complete and outcome.solution is None and not proved,
+        reason=None if outcome.complete else "stopped early",
+    )
+
+
+def _incumbent(
+    instance: Instance, rules: Rules, divisions: Divisions, start: Plan | None
+) -> tuple[float, Plan] | None:
+    """Return the better of the given plan, if allowed, and one that halves the work from left to right."""
+    found = []
+    if start is not None:
+        result = conclude(instance, rules, start, method="free", seconds=0.0)
+        if result.value is not None and not result.violations:
+            found.append((divisions.in_mm(result.value), start))
+    order = np.argsort(instance.points[: len(instance.contours), 0], kind="stable")
+    done = np.cumsum(divisions.work[order])
+    share: Floats = np.zeros(len(order))
+    share[order[: max(1, int(np.searchsorted(done, done[-1] / 2)))]] = 1.0
+    planned = divisions.around(share)
+    if planned is not None:
+        found.append(planned)
+    return min(found, key=lambda each: each[0], default=None)

@@ -1,0 +1,19 @@
+"""What the two-head methods take, said once."""
+
+from cutgap.instances import Instance, Rules
+from cutgap.instances.check import require_coordinates
+
+
+def require_two_heads(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError``, saying why, when a method for two heads and single entry points does not apply."""
+    name = f"instance {instance.name!r}, method {method}"
+    require_coordinates(instance, rules)
+    if len(instance.heads) != 2:
+        raise ValueError(f"{name}: needs two heads, got {len(instance.heads)}")
+    if instance.precedence:
+        raise ValueError(f"{name}: does not take precedence pairs")
+    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
+    if several is not None:
+        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
+    if instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
+        raise ValueError(f"{name}: needs symmetric rapid lengths")
