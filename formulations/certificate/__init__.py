@@ -1,0 +1,34 @@
+"""Certificates: proofs of bounds that are checked in exact arithmetic, without a solver and without numpy."""
+
+from cutgap.formulations.certificate.checker import Verdict, verify
+from cutgap.formulations.certificate.problem import Problem, Rules, instance_hash, problem_of, rules_of
+from cutgap.formulations.certificate.proof import one_tree_value
+from cutgap.formulations.certificate.reading import Refused
+from cutgap.formulations.certificate.relaxation import (
+    Bounds,
+    Relaxation,
+    Row,
+    TourRelaxation,
+    leaf_value,
+)
+from cutgap.formulations.certificate.tours import tour_relaxation
+from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
+
+__all__ = [
+    "Bounds",
+    "Problem",
+    "Refused",
+    "Relaxation",
+    "Row",
+    "Rules",
+    "TourRelaxation",
+    "TwoHeadsRelaxation",
+    "Verdict",
+    "instance_hash",
+    "leaf_value",
+    "one_tree_value",
+    "problem_of",
+    "rules_of",
+    "tour_relaxation",
+    "verify",
+]

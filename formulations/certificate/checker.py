@@ -1,0 +1,164 @@
+"""Verification of a certificate: which problem, which claim, and whether the proof and the plan hold.
+
+    {"format": "cutgap-certificate", "version": 1, "instance": hash, "rules": {...}, "scale": s,
+     "multiplier_scale": K, "bound": B, "plan": null | [[[id, 0], ...] per head], "proof": {"kind": ...}}
+
+The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
+1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
+head), ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes).
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from cutgap.formulations.certificate.plan import plan_value
+from cutgap.formulations.certificate.problem import Problem, Rules, problem_of, rules_of
+from cutgap.formulations.certificate.proof import Budget, check_tree
+from cutgap.formulations.certificate.reading import (
+    Refused,
+    decimal,
+    entries,
+    fields,
+    integer,
+    read_document,
+    require,
+    show,
+)
+from cutgap.formulations.certificate.split import Cells
+from cutgap.formulations.certificate.tours import TourBounds, prove_tour
+from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a certificate proves.
+
+    Attributes
+    ----------
+    rules
+        What was asked of a plan.
+    bound
+        Every allowed plan is worth at least this, in ``unit``; ``None``: no plan is allowed.
+    value
+        The certificate's plan is allowed and worth at most this; ``None`` without a plan.
+    """
+
+    rules: Rules
+    bound: Fraction | None
+    value: Fraction | None
+    unit: str
+
+    @property
+    def gap(self) -> Fraction | None:
+        """(value - bound) / value."""
+        if self.bound is None or self.value is None:
+            return None
+        return (self.value - self.bound) / self.value if self.value > 0 else Fraction(0)
+
+    @property
+    def text(self) -> str:
+        """What is proved, in words; figures are rounded to the safe side."""
+        if self.bound is None:
+            return "infeasible: no plan is allowed"
+        proved = f"{self.rules.objective} at least {decimal(self.bound, 9)} {self.unit}"
+        if self.value is None or self.gap is None:
+            return proved
+        within = f"{scientific(self.value - self.bound)} {self.unit}"
+        if self.gap <= Fraction(1, 10**6):
+            return f"optimal within {within}: {proved}"
+        return f"gap {decimal(100 * self.gap, 4, up=True)} %, within {within}: {proved}"
+
+
+def verify(
+    certificate: str | dict[str, Any],
+    instance_document: str | dict[str, Any],
+    rules: dict[str, Any] | None = None,
+) -> Verdict:
+    """Check a certificate against an instance document, from first principles.
+
+    Parameters
+    ----------
+    certificate, instance_document
+        JSON texts or documents.
+    rules
+        The rules that the certificate must be about; ``None`` takes those it states.
+
+    Raises
+    ------
+    Refused
+        Naming what failed and where; then nothing is proved.
+    """
+    table = read_document(certificate) if isinstance(certificate, str) else certificate
+    names = "format version instance rules scale multiplier_scale bound plan proof"
+    require(table.get("format") == "cutgap-certificate", "format: not a cutgap-certificate")
+    table = fields(table, "certificate", names)
+    require(table["version"] == 1, f"version: expected 1, got {show(table['version'])}")
+    problem = problem_of(instance_document)
+    require(table["instance"] == problem.digest, "instance: the certificate is about another instance")
+    stated = rules_of(table["rules"], problem)
+    require(rules is None or rules_of(rules, problem) == stated, "rules: the certificate is about other rules")
+    scale = integer(table["scale"], "scale", least=1)
+    bound = None if table["bound"] is None else integer(table["bound"], "bound")
+    _check_proof(problem, stated, table, scale, bound)
+    unit = "s" if stated.objective == "makespan" else "mm"
+    divisor = scale * problem.v_jump if unit == "s" else Fraction(scale)
+    proved = None if bound is None else bound / divisor
+    value = None if table["plan"] is None else plan_value(problem, stated, table["plan"])
+    if value is not None:
+        require(proved is not None, "plan: one is allowed, though the certificate claims that none is")
+        require(value >= (proved or 0), "plan: it is below the proved bound; the proof rules contradict it")
+    return Verdict(stated, proved, value, unit)
+
+
+def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: int, bound: int | None) -> None:
+    """Refuse unless the proof shows the claim."""
+    multiplier_scale = integer(table["multiplier_scale"], "multiplier_scale", least=1)
+    proof, budget = table["proof"], Budget()
+    require(isinstance(proof, dict), "proof: expected an object")
+    if proof.get("kind") == "tour":
+        table = fields(proof, "proof", "kind tour")
+        _check_tour(problem, rules, table["tour"], (scale, multiplier_scale), bound, budget)
+    elif proof.get("kind") == "split":
+        table = fields(proof, "proof", "kind tours ties")
+        proved = []
+        for number, tour in enumerate(entries(table["tours"], "tours")):
+            try:
+                proved.append(prove_tour(problem, rules, tour, scale, multiplier_scale, budget))
+            except Refused as error:
+                raise Refused(f"tours {number}: {error}") from None
+        Cells(problem, rules, TourBounds(problem, proved), bound, scale, budget).check(table["ties"])
+    elif proof.get("kind") == "two-heads":
+        table = fields(proof, "proof", "kind rows nodes")
+        relaxation = TwoHeadsRelaxation(problem, rules, scale, multiplier_scale, costless=bound is None)
+        # Without costs a value above 0 contradicts weak duality: there is no solution.
+        target = 1 if bound is None else multiplier_scale * relaxation.factor * bound
+        check_tree(relaxation, table["rows"], table["nodes"], target, budget)
+    else:
+        raise Refused(f"proof: no kind {show(proof.get('kind'))}")
+
+
+def _check_tour(
+    problem: Problem, rules: Rules, tour: Any, scales: tuple[int, int], bound: int | None, budget: Budget
+) -> None:
+    """One head: all contours, so its tour length decides; the work is a constant."""
+    require(len(problem.homes) == 1, "tour: needs one head")
+    proved = prove_tour(problem, rules, tour, *scales, budget)
+    require(proved.contours == (1 << len(problem.ids)) - 1, "tour: it leaves contours out")
+    worth = Fraction(proved.length)
+    if rules.objective == "makespan":
+        worth += sum((problem.work(contour, scales[0]) for contour in range(len(problem.ids))), Fraction(0))
+    require(bound is not None and worth >= bound, "tour: proves less than the claimed bound")
+
+
+def scientific(value: Fraction) -> str:
+    """Return a value of at least 0 with one digit, rounded up, such as 2e-06."""
+    if value == 0:
+        return "0"
+    exponent = 0
+    while value * 10 ** max(0, -exponent) < 10 ** max(0, exponent):
+        exponent -= 1
+    while value > 9 * Fraction(10) ** exponent:
+        exponent += 1
+    digit = -(-value / Fraction(10) ** exponent).__floor__()
+    return f"{digit}e{exponent}"

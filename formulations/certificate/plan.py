@@ -1,0 +1,93 @@
+"""A plan checked and valued exactly: whether the rules allow it, and what it is worth at most.
+
+Lengths are irrational, so they are known between a floor and a ceiling at a fine scale, at which all rational
+lengths are exact.
+"""
+
+from collections import Counter
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from cutgap.formulations.certificate.problem import Problem, Rules, may_rest
+from cutgap.formulations.certificate.reading import entries, integer, require, show
+
+FINE = 10**15
+"""Lengths of a plan are known to 1 / FINE mm or better."""
+
+Leg = tuple[int, int]
+
+
+def plan_value(problem: Problem, rules: Rules, value: Any) -> Fraction:
+    """Return an upper bound on the objective of an allowed plan, s or mm; refuses plans that break a rule."""
+    tours = _tours(problem, value)
+    _check_places(problem, rules, tours)
+    legs = [_legs(problem, head, tour) for head, tour in enumerate(tours)]
+    seconds = [sum((problem.seconds[each] for each in tour), Fraction(0)) for tour in tours]
+    travel = [_between(problem, Counter(each))[1] for each in legs]
+    if rules.objective == "makespan" and rules.balance is None:
+        imbalance = Fraction(0)
+    else:
+        imbalance = _imbalance(problem, legs, seconds)
+    require(rules.balance is None or imbalance <= rules.balance, "plan: the heads are not balanced")
+    if rules.objective == "makespan":
+        return max(length / problem.v_jump + work for length, work in zip(travel, seconds, strict=True))
+    return sum(travel, Fraction(0)) + rules.weight * imbalance
+
+
+def _tours(problem: Problem, value: Any) -> list[list[int]]:
+    numbers = {name: number for number, name in enumerate(problem.ids)}
+    tours: list[list[int]] = []
+    for tour in entries(value, "plan", count=len(problem.homes)):
+        tours.append([])
+        for visit in entries(tour, "plan, tour"):
+            name, entry = entries(visit, "plan, visit", count=2)
+            require(isinstance(name, str) and name in numbers, f"plan: no contour {show(name)}")
+            require(integer(entry, "plan, entry") == 0, f"plan: contour {show(name)} has one entry point, 0")
+            tours[-1].append(numbers[name])
+    cut = sorted(each for tour in tours for each in tour)
+    require(cut == list(range(len(problem.ids))), "plan: it must cut each contour once")
+    return tours
+
+
+def _check_places(problem: Problem, rules: Rules, tours: list[list[int]]) -> None:
+    """Check the rules on who cuts what and what comes first."""
+    working = [[problem.xs[each] for each in tour] for tour in tours if tour]
+    require(len(working) == len(tours) or may_rest(problem, rules), "plan: a head has no work")
+    for left, right in pairwise(working):
+        apart = min(right) - max(left)
+        require(rules.non_overlap is None or apart >= rules.non_overlap, "plan: the heads overlap")
+    for xs in working:
+        require(not rules.via_points or xs[0] == min(xs), "plan: a head does not start with a leftmost contour")
+
+
+def _legs(problem: Problem, head: int, tour: list[int]) -> list[Leg]:
+    home = problem.homes[head]
+    stops = [*tour, *tour[:1]] if home is None or not tour else [home, *tour, home]
+    return [(min(u, v), max(u, v)) for u, v in pairwise(stops)]
+
+
+def _between(problem: Problem, legs: Counter[Leg]) -> tuple[Fraction, Fraction]:
+    """Return bounds on the sum of lengths times (signed) counts, mm."""
+    scale = problem.denominator * FINE
+    low, high = 0, 0
+    for (u, v), count in legs.items():
+        least, most = problem.range_of(u, v, scale)
+        low += count * (least if count > 0 else most)
+        high += count * (most if count > 0 else least)
+    return Fraction(low, scale), Fraction(high, scale)
+
+
+def _imbalance(problem: Problem, legs: list[list[Leg]], seconds: list[Fraction]) -> Fraction:
+    """Return an upper bound on |T_0 - T_1|, s; legs of one length on both sides cancel exactly."""
+    if len(legs) == 1:
+        return Fraction(0)
+    samples: dict[Any, Leg] = {}
+    difference: Counter[Leg] = Counter()
+    for sign, side in zip((1, -1), legs, strict=True):
+        for u, v in side:
+            leg = samples.setdefault(problem.length_key(u, v), (u, v))
+            difference[leg] += sign
+    low, high = _between(problem, difference)
+    work = seconds[0] - seconds[1]
+    return max(high / problem.v_jump + work, -low / problem.v_jump - work)
