@@ -157,7 +157,7 @@ def one_tree_value(rows: OneTreeRows, potentials: list[int], firsts: list[int], 
     """Return a lower bound on K * (length of a tour), from a minimum 1-tree.
 
     A tour is two edges at node 0 (one of them to a node of ``firsts``, if there are any) and a spanning tree
-    of the rest, and has degree 2 everywhere. So K * length is at least 2 * sum of pi + the least value of such a
+    of the rest, and has degree 2 everywhere. So K * length is at least 2 * sum of pi + the least value of a
     1-tree for the edge costs K l_uv - pi_u - pi_v, whatever the potentials pi.
 
     Source: Held and Karp (1970). Prim's algorithm, O(n^2).
