@@ -11,7 +11,7 @@ from oracles.problem import Figures, plain_problem
 from oracles.random_instances import LAYOUTS, mirrored, moved, permuted, random_instance, scaled
 
 from cutgap.formulations import solve
-from cutgap.instances import Contour, Instance, Plan, Result, Rules, check
+from cutgap.instances import Contour, Head, Instance, Machine, Plan, Result, Rules, check, evaluate
 
 HOLES = (0, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 7)
 GAPS = (0.0, 0.0, 1.0, 40.0, 50.0, 150.0)
@@ -86,6 +86,38 @@ def test_agrees_with_other_metrics_and_without_homes(metric, seed):
     if instance.matrix is not None:
         instance = replace(instance, matrix=instance.matrix + instance.matrix.T)
     assert_agrees(instance, [draw_rules(rng, instance) for _ in range(4)])
+
+
+@pytest.mark.parametrize("xs", [(0, 1, 2, 3), (0, 0, 0, 0), (0, 1, 2, 2)])
+def test_without_a_metric_more_holes_may_be_nearer(xs):
+    """Left: a to b is 100 mm, but 2 mm by way of the hub. Right: 20 mm to these three, 1 mm to the fourth."""
+    a, b, hub, fourth, left, right = range(6)
+    rapids = np.full((6, 6), 100.0)
+    near = {1.0: [(a, hub), (hub, b), (left, a), (left, b), (right, fourth)]}
+    near[20.0] = [(hole, other) for hole in (a, b, hub) for other in (right, fourth)]
+    for length, pairs in near.items():
+        for one, other in pairs:
+            rapids[one, other] = rapids[other, one] = length
+    contours = tuple(Contour(f"c{i}", [[x, 0, 0]], 0.0) for i, x in enumerate(xs))
+    heads = (Head("left", [0, 0, 0]), Head("right", [0, 0, 0]))
+    instance = Instance("hub", contours, heads, Machine(metric="matrix"), matrix=rapids)
+    assert split(instance, replace(ALWAYS, objective="travel")).value == pytest.approx(4.0 + 2.0)
+    assert_agrees(instance, [ALWAYS, replace(ALWAYS, objective="travel")])
+
+
+def test_with_via_points_more_holes_may_be_nearer():
+    """Without p the right head must start in the middle of its tour; p lets it start at an end."""
+    points = {"p": (1, 0), "middle": (100, 0), "up": (101, 200), "down": (101, -200)}
+    contours = tuple(Contour(name, [[x, y, 0]], 0.0) for name, (x, y) in points.items())
+    heads = (Head("left", [-400, 0, 0]), Head("right", [0, 0, 0]))
+    instance = Instance("via", contours, heads, Machine(v_jump=100.0, t_aux=0.1))
+    rules = replace(ALWAYS, via_points=True)
+    all_right, three_right = (
+        evaluate(instance, Plan.of_contours(orders)).travel_mm[1]
+        for orders in ([[], [0, 2, 1, 3]], [[0], [1, 2, 3]])
+    )
+    assert all_right < three_right
+    assert_agrees(instance, [rules, replace(rules, objective="travel")])
 
 
 @pytest.mark.parametrize("seed", range(20))
