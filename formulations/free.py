@@ -5,18 +5,25 @@ any weight. Where the threshold search (``split``) applies, that is much faster.
 """
 
 import time
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from cutgap.formulations.assignment import Divisions
-from cutgap.formulations.branch_and_cut.engine import BranchAndCut
+from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
+from cutgap.formulations.branch_and_cut.model import Fixing
 from cutgap.formulations.branch_and_cut.two_heads import TwoHeadsModel
+from cutgap.formulations.certify import SCALE, Certificate, Rows, certificate_of, flat_tree, two_heads_family
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Sides
-from cutgap.instances import Instance, Plan, Result, Rules, conclude
+from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
 from cutgap.instances.arrays import Floats
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
+
+MULTIPLIER_SCALE = 2**40
+"""Multipliers of times are numbers up to 1, so they need a fine scale."""
 
 
 def solve_free(
@@ -25,6 +32,7 @@ def solve_free(
     *,
     time_limit: float | None = None,
     start: Plan | None = None,
+    certify: bool = False,
     watch: Watch = nobody,
 ) -> Result:
     """Solve the two-head problem under any rules by branch and cut.
@@ -35,6 +43,8 @@ def solve_free(
         Seconds after which the best plan and the bound proved so far are returned; Ctrl-C does the same.
     start
         A plan to start from; one that breaks rules is ignored.
+    certify
+        Whether to add a verified certificate of the bound.
 
     Raises
     ------
@@ -72,7 +82,7 @@ def solve_free(
     )
     outcome = search.run()
     proved = bool(np.isfinite(outcome.lower_bound))
-    return conclude(
+    result = conclude(
         instance,
         rules,
         outcome.solution,
@@ -82,6 +92,39 @@ def solve_free(
         infeasible=outcome.complete and outcome.solution is None and not proved,
         reason=None if outcome.complete else "stopped early",
     )
+    return replace(result, certificate=_certificate(instance, rules, outcome, result)) if certify else result
+
+
+def _certificate(instance: Instance, rules: Rules, outcome: Outcome, result: Result) -> Certificate | None:
+    """Return a verified certificate of a search's outcome."""
+    infeasible = result.status is Status.INFEASIBLE
+    if outcome.root is None or not (infeasible or np.isfinite(outcome.lower_bound)):
+        return None
+    root, holes = outcome.root, len(instance.contours)
+    target = None if infeasible else outcome.lower_bound
+
+    def variable(fixing: Fixing) -> list[Any]:
+        if fixing.variable < holes:
+            return ["z", fixing.variable]
+        if fixing.variable < holes + 2:
+            return ["e", fixing.variable - holes]
+        return edge_name(fixing.variable - holes - 3, holes)
+
+    def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
+        rows = Rows(two_heads_family(instance, rules, MULTIPLIER_SCALE))
+        nodes = flat_tree(root, () if infeasible else outcome.fixes, rows, variable, target)
+        bound = None if target is None else max(0, int(np.floor((target - margin) * SCALE)))
+        return bound, {"kind": "two-heads", "rows": rows.names, "nodes": nodes}
+
+    return certificate_of(instance, rules, result.plan, MULTIPLIER_SCALE, claim)
+
+
+def edge_name(edge: int, holes: int) -> list[Any]:
+    """Return an edge variable's name in a certificate; there a home is node -1."""
+    u, v = np.triu_indices(holes + 1, 1)
+    head, place = divmod(edge, len(u))
+    one, two = int(u[place]), int(v[place])
+    return ["x", head, -1, one] if two == holes else ["x", head, one, two]
 
 
 def _incumbent(

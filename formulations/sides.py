@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cutgap.formulations.branch_and_cut.engine import Outcome
 from cutgap.formulations.branch_and_cut.tour import best_tour, shortest_tour
 from cutgap.formulations.relaxations.one_tree import held_karp_bound
 from cutgap.instances import Instance
@@ -25,12 +26,25 @@ class Side:
     """One head's tours of one set of contours: ``lower <= shortest <= upper`` in mm."""
 
     contours: tuple[int, ...]
+    nodes: int  # with the home, if there is one
     service_s: float
     lower: float = 0.0
     upper: float = np.inf
     order: tuple[int, ...] = ()
     inherited_from: int = 0  # how many known bounds were looked at
-    relaxed: bool = False  # whether the Held-Karp bound was taken
+    one_tree: tuple[float, Floats] | None = None  # Held-Karp bound and its potentials
+    search: Outcome | None = None  # the last branch and cut
+
+    @property
+    def relaxed(self) -> bool:
+        """Whether the first, cheap bound was taken."""
+        return self.one_tree is not None
+
+    @property
+    def own_lower(self) -> float:
+        """Lower bound that this set's own proofs show."""
+        bounds = [0.0 if self.one_tree is None else self.one_tree[0]]
+        return max(bounds if self.search is None else [*bounds, self.search.lower_bound])
 
     @property
     def is_exact(self) -> bool:
@@ -61,7 +75,11 @@ class Sides:
         side = self._sides.get(members)
         if side is None:
             contours = tuple(c for c in range(len(self.instance.contours)) if members >> c & 1)
-            side = Side(contours, float(self.instance.service_times[list(contours)].sum()))
+            side = Side(
+                contours,
+                len(contours) + (self.home is not None),
+                float(self.instance.service_times[list(contours)].sum()),
+            )
             if not contours:
                 side.upper = 0.0
             self._sides[members] = side
@@ -81,21 +99,34 @@ class Sides:
         side = self.side(members)
         lengths, via = self.lengths(side.contours), self.via(side.contours)
         complete = True
-        if not side.relaxed:
-            side.relaxed = True
-            lower = self.tour(members).upper
-            if len(lengths) >= 3:
-                lower, _ = held_karp_bound(lengths, tuple(via.tolist()), target=min(cutoff, lower))
+        if side.one_tree is None:
+            best = self.tour(members).upper
+            side.one_tree = held_karp_bound(lengths, tuple(via.tolist()), target=min(cutoff, best))
+            lower = side.one_tree[0]
         else:
             start = side.upper, self._tour(side)
-            outcome = shortest_tour(lengths, via.tolist(), start=start, cutoff=cutoff, deadline=deadline)
-            lower, complete = outcome.lower_bound, outcome.complete
+            outcome = shortest_tour(lengths, via, start=start, cutoff=cutoff, deadline=deadline)
+            lower, complete, side.search = outcome.lower_bound, outcome.complete, outcome
             if outcome.solution is not None:
                 self._keep(side, tour_length(lengths, outcome.solution), outcome.solution)
         side.lower = min(max(side.lower, lower), side.upper)
         if self.inherits:
             self._known.append((members, side.lower))
         return complete and time.perf_counter() <= deadline
+
+    def proved(self) -> list[tuple[int, Side]]:
+        """Return the sets with bounds of their own, those left out whose bound a subset's one implies."""
+        own = [(members, side) for members, side in self._sides.items() if side.relaxed and side.contours]
+        if not self.inherits:
+            return own
+        return [
+            (members, side)
+            for members, side in own
+            if not any(
+                other != members and other & members == other and each.own_lower >= side.own_lower
+                for other, each in own
+            )
+        ]
 
     def tour(self, members: int) -> Side:
         """Return a set with a tour, by local search if none is known."""
@@ -135,7 +166,9 @@ class Sides:
         if not self.via_points:
             return np.empty(0, dtype=np.int64)
         xs = self.instance.points[[self.instance.node(contour) for contour in contours], 0]
-        return np.flatnonzero(xs == xs.min()) + 1
+        leftmost = np.flatnonzero(xs == xs.min()) + 1
+        # When all are leftmost, any may come first.
+        return leftmost if len(leftmost) < len(xs) else np.empty(0, dtype=np.int64)
 
     def _keep(self, side: Side, value: float, tour: Ints) -> None:
         """Remember a tour (positions in ``lengths``) if it is the shortest so far."""

@@ -18,6 +18,7 @@ def solve(
     method: str = "auto",
     time_limit: float | None = None,
     start: Plan | None = None,
+    certify: bool = False,
     watch: Watch = nobody,
 ) -> Result:
     """Solve an instance under rules, to proven optimality where the time allows.
@@ -30,6 +31,8 @@ def solve(
         Seconds; a stopped run returns its best plan and its valid bound, as does Ctrl-C.
     start
         A plan to start from.
+    certify
+        Whether to add a certificate, verified in exact arithmetic, of the bound to the result.
     watch
         Called with the state of the run from time to time.
 
@@ -42,4 +45,4 @@ def solve(
         method = "free" if rules.non_overlap is None or rules.balance is not None else "split"
     if method not in METHODS:
         raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
-    return METHODS[method](instance, rules, time_limit=time_limit, start=start, watch=watch)
+    return METHODS[method](instance, rules, time_limit=time_limit, start=start, certify=certify, watch=watch)

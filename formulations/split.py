@@ -29,16 +29,21 @@ Source: proof of (3) and (4) in ``docs/two-heads.md``; the problem is that of Wa
 import heapq
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
+from cutgap.formulations.certify import SCALE, Certificate, certificate_of, side_proof
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
-from cutgap.instances import Instance, Plan, Result, Rules, conclude, evaluate
+from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude, evaluate
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
+
+MULTIPLIER_SCALE = 2**6
+"""Multipliers of tours are rounded to this part of a length unit, which is small already."""
 
 
 @dataclass(order=True, slots=True)
@@ -58,6 +63,7 @@ def solve_split(
     *,
     time_limit: float | None = None,
     start: Plan | None = None,
+    certify: bool = False,
     watch: Watch = nobody,
 ) -> Result:
     """Solve the two-head problem under non-overlap to proven optimality.
@@ -68,6 +74,8 @@ def solve_split(
         Seconds after which the best plan and the bound proved so far are returned; Ctrl-C does the same.
     start
         A plan to start from; one that breaks rules is ignored.
+    certify
+        Whether to add a verified certificate of the bound.
 
     Raises
     ------
@@ -75,7 +83,9 @@ def solve_split(
         When the instance or the rules are outside of this method (see ``require_scope``).
     """
     require_scope(instance, rules)
-    return SplitSearch(instance, rules, time_limit, watch).run(start)
+    search = SplitSearch(instance, rules, time_limit, watch)
+    result = search.run(start)
+    return replace(result, certificate=search.certificate(result)) if certify else result
 
 
 def require_scope(instance: Instance, rules: Rules) -> None:
@@ -290,6 +300,48 @@ class SplitSearch:
             if not sides.side(members).is_exact:
                 sides.tighten(members, np.inf, np.inf)
         self._offer_tours(cell)
+
+    # Certificate
+
+    def certificate(self, result: Result) -> Certificate | None:
+        """Return a verified certificate of a result of this search."""
+        infeasible = result.status is Status.INFEASIBLE
+        unit = self.instance.machine.v_jump if self.rules.objective == "makespan" else 1.0
+        ids = [contour.id for contour in self.instance.contours]
+
+        def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
+            tours = [
+                side_proof(head, side, ids, margin, MULTIPLIER_SCALE)
+                for head, sides in enumerate(self.sides)
+                for _, side in sides.proved()
+            ]
+            bound = None
+            if result.lower_bound is not None:
+                bound = max(0, int(np.floor((result.lower_bound * unit - 3 * margin) * SCALE)))
+            least = -np.inf if result.lower_bound is None else result.lower_bound - margin / unit
+            return bound, {"kind": "split", "tours": tours, "ties": self._tie_trees(least)}
+
+        if not infeasible and result.lower_bound is None:
+            return None
+        return certificate_of(self.instance, self.rules, result.plan, MULTIPLIER_SCALE, claim)
+
+    def _tie_trees(self, least: float) -> list[list[dict[str, Any]]]:
+        """Return for each group of equal x a tree of divisions whose leaves have the bound ``least``."""
+        return [self._tie_tree(left, right, free, least) for left, right, free in self._first_cells() if free]
+
+    def _tie_tree(self, left: int, right: int, free: tuple[int, ...], least: float) -> list[dict[str, Any]]:
+        nodes: list[dict[str, Any]] = []
+        waiting: list[tuple[int, int, tuple[int, ...], dict[str, Any], str]] = [(left, right, free, {}, "")]
+        for one, two, rest, parent, key in waiting:
+            parent[key] = len(nodes)
+            if not rest or (self.metric and self._bound(one, two, rest) >= least):
+                nodes.append({"leaf": True})
+                continue
+            bit = 1 << rest[0]
+            nodes.append({"branch": self.instance.contours[rest[0]].id})
+            waiting.append((one | bit, two, rest[1:], nodes[-1], "left"))
+            waiting.append((one, two | bit, rest[1:], nodes[-1], "right"))
+        return nodes
 
     # Reports
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from cutgap.instances.arrays import finite_number
 from cutgap.instances.check import Violation, check
@@ -10,7 +11,7 @@ from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
 from cutgap.instances.rules import Rules
 
-OPTIMALITY_TOLERANCE = 1e-8
+OPTIMALITY_TOLERANCE = 1e-9
 """Relative distance of value and bound within which a plan counts as optimal."""
 
 
@@ -39,6 +40,8 @@ class Result:
         What the plan breaks; a plan that breaks something proves nothing and is never ``feasible``.
     reason
         Why the problem is infeasible, or why the run stopped early.
+    certificate
+        A verified proof of the bound, or of infeasibility; ``None`` when it is the solver's claim alone.
     """
 
     status: Status
@@ -52,6 +55,7 @@ class Result:
     lower_bound: float | None = None
     seed: int | None = None
     reason: str | None = None
+    certificate: dict[str, Any] | None = None
 
     @property
     def gap(self) -> float | None:

@@ -26,12 +26,17 @@ TAIL_SHARE = 0.02
 
 @dataclass(order=True, slots=True)
 class Node:
-    """A subproblem; the least bound goes first, then the deepest. ``children`` once it is branched on."""
+    """A subproblem; the least bound goes first, then the deepest.
+
+    ``proof`` shows the bound. A subproblem without solutions has an infinite one, which ``ray``, scaled to the
+    value 1, and the proof of its parent show together. ``children`` are set once it is branched on.
+    """
 
     bound: float
     order: tuple[int, int]
     fixings: tuple[Fixing, ...] = field(compare=False)
     proof: Proof = field(compare=False, default=())
+    ray: Proof = field(compare=False, default=())
     children: tuple["Node", ...] = field(compare=False, default=())
 
 
@@ -100,9 +105,13 @@ class BranchAndCut:
 
     @property
     def lower_bound(self) -> float:
-        """What is proved so far: the least bound among open and closed nodes."""
+        """What is proved so far: the least bound among open and closed nodes.
+
+        Solutions with variables that were dropped at the root are only known to reach the limit.
+        """
         bounds = [self.closed_bound]
         bounds += [] if self.incumbent is None else [self.incumbent[0]]
+        bounds += [self.limit] if self.fixes else []
         bounds += [node.bound for node in (self.current, *self.open[:1]) if node is not None]
         return float(min(bounds))
 
@@ -131,8 +140,7 @@ class BranchAndCut:
             self.model.solve()
             bound = self.model.bound()
             bounds.append(bound)
-            if bound > node.bound:
-                node.bound, node.proof = bound, self.model.proof()
+            self._raise(node, bound)
             if np.isfinite(bound):
                 self._round()
             if node.bound >= self.limit:
@@ -198,6 +206,11 @@ class BranchAndCut:
         """Raise a child's bound by a few simplex iterations."""
         self.model.apply(child.fixings)
         self.model.solve(STRONG_ITERATIONS)
-        bound = self.model.bound()
-        if bound > child.bound:
-            child.bound, child.proof = bound, self.model.proof()
+        self._raise(child, self.model.bound())
+
+    def _raise(self, node: Node, bound: float) -> None:
+        """Keep a better bound with what proves it."""
+        if np.isinf(bound) and bound > 0:
+            node.bound, node.ray = bound, self.model.proof()
+        elif bound > node.bound:
+            node.bound, node.proof = bound, self.model.proof()

@@ -150,6 +150,16 @@ class LinearProgram:
         point = self._highs.getSolution()
         return Solution(np.array(point.col_value), np.array(point.col_dual), np.array(point.row_dual))
 
+    def row_combination(self, multipliers: Floats) -> Floats:
+        """Return the coefficients of the columns in the sum of multiplier times row."""
+        matrix = self._highs.getLp().a_matrix_
+        starts, index, value = np.array(matrix.start_), np.array(matrix.index_), np.array(matrix.value_)
+        major = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+        by_rows = matrix.format_ == highspy.MatrixFormat.kRowwise
+        rows, columns = (major, index) if by_rows else (index, major)
+        total = np.bincount(columns, weights=value * multipliers[rows], minlength=len(self.costs))
+        return total.astype(np.float64)
+
     def save_basis(self) -> object:
         """Return the current basis."""
         return self._highs.getBasis()

@@ -2,13 +2,16 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from cutgap.formulations.branch_and_cut.linear_program import INFINITY, LinearProgram, Solution
 from cutgap.instances.arrays import Floats, Ints
+
+RAY = 1e-7
+"""An infeasible program's ray proves it when its value, against its largest entry, exceeds this."""
 
 AGE = 4
 """A cut whose dual was zero this many times in a row leaves the linear program."""
@@ -67,6 +70,24 @@ class Model(ABC):
                 duals[index] = 0.0
         return duals
 
+    def bound(self) -> float:
+        """Return a lower bound on the current node from the multipliers, by weak duality.
+
+        Infinity when the node is infeasible: then the multipliers become a ray of value 1. A ray that proves
+        nothing within rounding leaves minus infinity.
+        """
+        value = float(self.multipliers() @ np.array([row.least for row in self.rows])) + self.column_terms()
+        if not self.solution.infeasible:
+            return value
+        if value <= RAY * max(1.0, float(np.abs(self.solution.duals).max())):
+            return -np.inf
+        self.solution = replace(self.solution, duals=self.solution.duals / value)
+        return np.inf
+
+    @abstractmethod
+    def column_terms(self) -> float:
+        """Return the sum over all variables of the least of reduced cost times bound."""
+
     def proof(self) -> Proof:
         """Return the multipliers by name, without zeros."""
         pairs = zip(self.rows, self.multipliers().tolist(), strict=True)
@@ -95,10 +116,6 @@ class Model(ABC):
 
         An infeasible one leaves its proof, a ray, in the solution's duals.
         """
-
-    @abstractmethod
-    def bound(self) -> float:
-        """Return a lower bound on the current node from the multipliers; infinity when infeasible."""
 
     @abstractmethod
     def separate(self, *, thorough: bool) -> int:

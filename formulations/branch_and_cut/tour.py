@@ -32,7 +32,7 @@ from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.progress import Watch, nobody
 from cutgap.instances.tours import improve_tour, nearest_neighbour_tour, tour_length
 
-TOLERANCE = 1e-9
+TOLERANCE = 1e-10
 """Relative distance to the incumbent at which a node is closed."""
 
 INTEGRALITY = 1e-6
@@ -46,9 +46,6 @@ FORCED = 1e7
 
 COMPLETE = 12
 """Once at most this many edges a node are left, all of them get a column and pricing ends."""
-
-RAY = 1e-6
-"""An infeasible program's ray proves it when its value exceeds this."""
 
 
 class TourModel(Model):
@@ -164,20 +161,15 @@ class TourModel(Model):
         self._add_edges(tails[worst], heads[worst])
         return True
 
-    def bound(self) -> float:
-        multipliers = self.multipliers()
-        right = float(multipliers @ np.array([row.least for row in self.rows]))
-        if self.solution.infeasible or not self.complete:
-            costs = np.triu(self.reduced_costs(multipliers), 1)
+    def column_terms(self) -> float:
+        if self.complete and not self.solution.infeasible:
+            own, terms = self.solution.reduced_costs, 0.0
+        else:
+            costs = np.triu(self.reduced_costs(self.multipliers()), 1)
             own = costs[self.tails, self.heads]
             costs[self.tails, self.heads] = 0.0
-            right += float(np.minimum(costs, 0.0).sum())
-        else:
-            own = self.solution.reduced_costs
-        value = right + float(np.minimum(own * self.lp.lower, own * self.lp.upper).sum())
-        if self.solution.infeasible:
-            return np.inf if value > RAY else -np.inf
-        return value
+            terms = float(np.minimum(costs, 0.0).sum())
+        return terms + float(np.minimum(own * self.lp.lower, own * self.lp.upper).sum())
 
     def tighten(self, cutoff: float) -> bool:
         if not np.isfinite(cutoff):
@@ -287,7 +279,7 @@ def home_first(tour: Ints, via: int | None) -> Ints:
 
 def shortest_tour(
     lengths: Floats,
-    via: Sequence[int] = (),
+    via: Ints = NO_COLUMNS,
     *,
     start: tuple[float, Ints] | None = None,
     cutoff: float = np.inf,
@@ -313,16 +305,16 @@ def shortest_tour(
         ``solution`` is the order of nodes, node 0 first and a via node second.
     """
     nodes = len(lengths)
-    via_nodes = np.array(sorted(via), dtype=np.int64)
     if start is None:
-        start = best_tour(lengths, via_nodes, lengths, kicks=20 * nodes)
+        start = best_tour(lengths, via, lengths, kicks=20 * nodes)
     if nodes <= 3:  # the tour is the only one, but for its direction
         return Outcome(start[0], start[0], start[1], True, 0)
+    tolerance = TOLERANCE * max(1.0, start[0])
     search = BranchAndCut(
-        TourModel(lengths, via_nodes, start[1]),
+        TourModel(lengths, via, start[1]),
         incumbent=start,
-        cutoff=cutoff,
-        tolerance=TOLERANCE * max(1.0, start[0]),
+        cutoff=cutoff + tolerance,  # so that a complete search proves the cutoff itself
+        tolerance=tolerance,
         deadline=deadline,
         watch=watch,
     )

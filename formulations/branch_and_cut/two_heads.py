@@ -175,11 +175,11 @@ class TwoHeadsModel(Model):
 
     def _add_set_row(self, row: Row, weights: Floats, extra: list[tuple[int, float]]) -> None:
         """Add a row with a weight for each edge variable and some further columns."""
-        columns = np.flatnonzero(self.variables >= self.first_edge)
-        values = weights[self.variables[columns] - self.first_edge]
-        used = values != 0.0
-        columns = np.concatenate([columns[used], [column for column, _ in extra]]).astype(np.int64)
-        self.add_row(row, columns, np.concatenate([values[used], [value for _, value in extra]]))
+        edges = np.flatnonzero(self.variables >= self.first_edge)
+        values = weights[self.variables[edges] - self.first_edge]
+        edges, values = edges[values != 0.0], values[values != 0.0]
+        columns = np.append(edges, [column for column, _ in extra]).astype(np.int64)
+        self.add_row(row, columns, np.append(values, [value for _, value in extra]))
 
     def _crossings(self, cut: Cut) -> Floats:
         return cut.coefficients(self.edge_u, self.edge_v, self.holes + 1)
@@ -197,14 +197,13 @@ class TwoHeadsModel(Model):
     def solve(self, iteration_limit: int | None = None) -> None:
         self.solution = self.lp.solve(iteration_limit)
 
-    def bound(self) -> float:
-        right = float(self.multipliers() @ np.array([row.least for row in self.rows]))
-        if self.solution.infeasible:
-            return np.inf
+    def column_terms(self) -> float:
         costs = self.solution.reduced_costs
-        at = np.where(costs > 0.0, self.lp.lower, self.lp.upper)
-        at[(np.abs(costs) < 1e-12) & ~np.isfinite(at)] = 0.0
-        return right + float(costs @ at)
+        if self.solution.infeasible:
+            costs = -self.lp.row_combination(self.multipliers())
+        # Only m and d have no upper bound; a cost below zero within rounding counts as none.
+        at = np.where(costs > 0.0, self.lp.lower, np.where(np.isfinite(self.lp.upper), self.lp.upper, 0.0))
+        return float(costs @ at)
 
     def tighten(self, cutoff: float) -> bool:
         if not np.isfinite(cutoff):
@@ -218,9 +217,9 @@ class TwoHeadsModel(Model):
         gone = np.flatnonzero((self.root_upper == 0.0) & (self.variables >= self.first_edge))
         self.lp.delete_columns(gone)
         self.solution = self.solution.without_columns(gone)
-        self.variables, self.root_lower, self.root_upper = (
-            np.delete(each, gone) for each in (self.variables, self.root_lower, self.root_upper)
-        )
+        self.variables = np.delete(self.variables, gone)
+        self.root_lower = np.delete(self.root_lower, gone)
+        self.root_upper = np.delete(self.root_upper, gone)
         self.apply(())
         return bool(down.any() or up.any())
 

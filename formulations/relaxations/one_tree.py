@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 
 from cutgap.instances.arrays import Floats
+from cutgap.instances.tours import tour_length
 
 
 @njit(cache=True)
@@ -100,7 +101,7 @@ def held_karp_bound(
     Parameters
     ----------
     lengths
-        Shape (n, n), mm, symmetric, n >= 3; node 0 is the home.
+        Shape (n, n), mm, symmetric; node 0 is the home. Up to 3 nodes have one tour, whose length is returned.
     via
         Nodes of which one comes next to node 0.
     target
@@ -108,6 +109,8 @@ def held_karp_bound(
     iterations
         Most subgradient steps.
     """
+    if len(lengths) <= 3:
+        return tour_length(lengths, np.arange(len(lengths))), np.zeros(len(lengths))
     is_via = np.zeros(len(lengths), dtype=np.bool_)
     is_via[list(via) if via else slice(1, None)] = True
     bound, potentials = _ascend(

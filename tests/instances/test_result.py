@@ -33,7 +33,7 @@ def test_bound_below_the_value_gives_a_gap():
     assert result.gap == 0.25
 
 
-@pytest.mark.parametrize("bound", [400.0, 400.0 - 1e-6, 400.0 + 1e-6])
+@pytest.mark.parametrize("bound", [400.0, 400.0 - 1e-7, 400.0 + 1e-7])
 def test_bound_that_meets_the_value_is_optimal(bound):
     result = run(lower_bound=bound)
     assert result.status is Status.OPTIMAL
