@@ -62,11 +62,19 @@ def _pop(queue: Queue) -> int:
 
 
 @numba.njit(cache=True)
+def _wrap(place: int, n: int) -> int:
+    """Return a position from -n .. 2n - 1 brought into 0 .. n - 1, without the cost of a division."""
+    if place >= n:
+        return place - n
+    return place if place >= 0 else place + n
+
+
+@numba.njit(cache=True)
 def _reverse(state: State, start: int, count: int) -> None:
     """Reverse ``count`` nodes from position ``start`` on (cyclic), and note it: doing it again undoes it."""
     tour, position, log = state
     n = len(tour)
-    i, j = start, (start + count - 1) % n
+    i, j = start, _wrap(start + count - 1, n)
     for _ in range(count // 2):
         a, b = tour[i], tour[j]
         tour[i], tour[j] = b, a
@@ -93,9 +101,9 @@ def _exchange(state: State, a: int, b: int, c: int, d: int) -> None:
     """Replace the edges ab and cd by ac and bd, where b follows a and d follows c in one direction."""
     tour, position, _ = state
     n = len(tour)
-    if tour[(position[a] + 1) % n] != b:
+    if tour[_wrap(position[a] + 1, n)] != b:
         a, b, c, d = b, a, d, c
-    inside = (position[c] - position[b]) % n + 1
+    inside = _wrap(position[c] - position[b], n) + 1
     if 2 * inside <= n:
         _reverse(state, position[b], inside)
     else:
@@ -111,11 +119,11 @@ def _swap_segments(state: State, start: int, first: int, second: int) -> None:
     n = len(state.tour)
     third = n - first - second
     if first > second and first > third:
-        start, first, second = (start + first) % n, second, third
+        start, first, second = _wrap(start + first, n), second, third
     elif second > third:
-        start, first, second = (start + first + second) % n, third, first
+        start, first, second = _wrap(start + first + second, n), third, first
     _reverse(state, start, first)
-    _reverse(state, (start + first) % n, second)
+    _reverse(state, _wrap(start + first, n), second)
     _reverse(state, start, first + second)
 
 
@@ -125,12 +133,13 @@ def _try_two_opt(edges: Edges, state: State, queue: Queue, a: int) -> float:
     lengths, (tour, position, _) = edges.lengths, state
     n = len(tour)
     for step in (1, n - 1):
-        b = tour[(position[a] + step) % n]
-        for c in edges.outward[a]:
+        b = tour[_wrap(position[a] + step, n)]
+        for rank in range(edges.outward.shape[1]):
+            c = edges.outward[a, rank]
             partial = lengths[a, b] - lengths[a, c]
             if partial <= edges.least:
                 break
-            d = tour[(position[c] + step) % n]
+            d = tour[_wrap(position[c] + step, n)]
             gain = partial + lengths[c, d] - lengths[b, d]
             if gain > edges.least and d != a:
                 _exchange(state, a, b, c, d)
@@ -157,17 +166,18 @@ def _try_segment(edges: Edges, state: State, queue: Queue, a: int, start: int, c
     """Move the segment of ``count`` nodes from ``start`` on so that its end ``a`` meets a neighbour."""
     lengths, (tour, position, _) = edges.lengths, state
     n = len(tour)
-    head, tail = tour[start % n], tour[(start + count - 1) % n]
-    before, after = tour[(start - 1) % n], tour[(start + count) % n]
+    head, tail = tour[_wrap(start, n)], tour[_wrap(start + count - 1, n)]
+    before, after = tour[_wrap(start - 1, n)], tour[_wrap(start + count, n)]
     other = tail if a == head else head
     freed = lengths[before, head] + lengths[tail, after] - lengths[before, after]
-    for b in edges.outward[a]:
+    for rank in range(edges.outward.shape[1]):
+        b = edges.outward[a, rank]
         partial = freed - lengths[a, b]
         if partial <= edges.least:
             break
         for step in (1, n - 1):
-            c = tour[(position[b] + step) % n]
-            if (position[b] - start) % n < count or (position[c] - start) % n < count:
+            c = tour[_wrap(position[b] + step, n)]
+            if _wrap(position[b] - start, n) < count or _wrap(position[c] - start, n) < count:
                 continue
             gain = partial + lengths[b, c] - lengths[other, c]
             if gain > edges.least:
@@ -188,21 +198,21 @@ def _try_swap(edges: Edges, state: State, queue: Queue, a: int) -> float:
     """Do the first improving move a b..e c..f g -> a c..f b..e g (or-3opt); return its gain or 0."""
     lengths, (tour, position, _) = edges.lengths, state
     n = len(tour)
-    b = tour[(position[a] + 1) % n]
+    b = tour[_wrap(position[a] + 1, n)]
     for c in edges.outward[a]:
         first_partial = lengths[a, b] - lengths[a, c]
         if first_partial <= edges.least:
             break
-        first = (position[c] - position[b]) % n
-        e = tour[(position[c] - 1) % n]
+        first = _wrap(position[c] - position[b], n)
+        e = tour[_wrap(position[c] - 1, n)]
         for f in edges.inward[b]:
             partial = first_partial + lengths[e, c] - lengths[f, b]
             if partial <= edges.least:
                 break
-            second = (position[f] - position[c]) % n + 1
+            second = _wrap(position[f] - position[c], n) + 1
             if f == a or first + second >= n:
                 continue
-            g = tour[(position[f] + 1) % n]
+            g = tour[_wrap(position[f] + 1, n)]
             gain = partial + lengths[f, g] - lengths[e, g]
             if gain > edges.least:
                 _swap_segments(state, position[b], first, second)
@@ -241,9 +251,9 @@ def _kick(edges: Edges, state: State, queue: Queue, rng: Any) -> float:
     longest = min(LONGEST_KICK, (n - 1) // 3)
     start = int(rng.random() * n)
     first, second = 1 + int(rng.random() * longest), 1 + int(rng.random() * longest)
-    a, b = tour[(start - 1) % n], tour[start]
-    e, c = tour[(start + first - 1) % n], tour[(start + first) % n]
-    f, g = tour[(start + first + second - 1) % n], tour[(start + first + second) % n]
+    a, b = tour[_wrap(start - 1, n)], tour[start]
+    e, c = tour[_wrap(start + first - 1, n)], tour[_wrap(start + first, n)]
+    f, g = tour[_wrap(start + first + second - 1, n)], tour[_wrap(start + first + second, n)]
     _swap_segments(state, start, first, second)
     for node in (a, b, c, e, f, g):
         _push(queue, node)
