@@ -91,7 +91,8 @@ def verify(
     """
     table = read_document(certificate) if isinstance(certificate, str) else certificate
     names = "format version instance rules scale multiplier_scale bound plan proof"
-    require(table.get("format") == "cutgap-certificate", "format: not a cutgap-certificate")
+    is_one = isinstance(table, dict) and table.get("format") == "cutgap-certificate"
+    require(is_one, "format: not a cutgap-certificate")
     table = fields(table, "certificate", names)
     require(table["version"] == 1, f"version: expected 1, got {show(table['version'])}")
     problem = problem_of(instance_document)

@@ -77,6 +77,7 @@ def check_tree(relaxation: Relaxation, row_names: Any, nodes: Any, target: int, 
         trail.undo(length)
         if change is not None:
             trail.set(*change)
+        budget.spend(10)
         try:
             children = _step(relaxation, rows, tree[index], trail, target, budget)
         except Refused as error:
@@ -118,12 +119,11 @@ def _step(
     if "branch" in node:
         table = fields(node, "branch", "branch at down up")
         variable, at = relaxation.variable(table["branch"]), integer(table["at"], "at")
-        require(variable not in relaxation.endless, "the variable need not be whole")
         low, high = trail.bounds.lower[variable], trail.bounds.upper[variable]
         down, up = integer(table["down"], "down"), integer(table["up"], "up")
         return [(down, (variable, low, min(high, at))), (up, (variable, max(low, at + 1), high))]
     kind = "leaf" if "leaf" in node else "fix"
-    table = fields(node, "node", kind, "then" if kind == "fix" else "")
+    table = fields(node, "node", "leaf" if kind == "leaf" else "fix then")
     multipliers = _multipliers(table[kind], rows)
     if trail.crossed > 0 and kind == "leaf":
         return []
@@ -132,8 +132,8 @@ def _step(
     if kind == "leaf":
         require(value >= target, f"the leaf is worth {show(value)}, less than {show(target)}")
         return []
-    _fix(trail, value, reduced, target, set(relaxation.endless))
-    return [(integer(table.get("then"), "then"), None)]
+    _fix(trail, value, reduced, target)
+    return [(integer(table["then"], "then"), None)]
 
 
 def _multipliers(value: Any, rows: Sequence[Row]) -> list[tuple[Row, int]]:
@@ -145,11 +145,14 @@ def _multipliers(value: Any, rows: Sequence[Row]) -> list[tuple[Row, int]]:
     return pairs
 
 
-def _fix(trail: Trail, value: int, reduced: list[int], target: int, endless: set[int]) -> None:
-    """Reduced-cost fixing: a variable that costs the target when it leaves its bound stays there."""
+def _fix(trail: Trail, value: int, reduced: list[int], target: int) -> None:
+    """Reduced-cost fixing: a variable that costs the target when it leaves its bound stays there.
+
+    A variable without upper bound has equal numbers for its bounds, so that it is left alone.
+    """
     for variable, r in enumerate(reduced):
         low, high = trail.bounds.lower[variable], trail.bounds.upper[variable]
-        if r != 0 and low < high and value + abs(r) >= target and variable not in endless:
+        if r != 0 and low < high and value + abs(r) >= target:
             trail.set(variable, *((low, low) if r > 0 else (high, high)))
 
 

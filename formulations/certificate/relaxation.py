@@ -50,7 +50,7 @@ class Row:
 
 @dataclass(slots=True)
 class Bounds:
-    """Bounds of all variables; a variable in ``Relaxation.endless`` has no upper one, whatever stands here."""
+    """Bounds of all variables; 0 stands for the upper bound that a variable in ``endless`` has not."""
 
     lower: list[int]
     upper: list[int]
@@ -89,7 +89,7 @@ class Relaxation:
         return number
 
     def variable(self, name: Any) -> int:
-        """Return the number of a variable named as in a certificate."""
+        """Return the number of a variable named as in a certificate, one that must be whole."""
         raise NotImplementedError
 
     def row(self, name: Any) -> Row:

@@ -4,9 +4,8 @@ r"""Proved tour lengths: L_a(C) >= length for one head a and one set C of contou
     proof   rows and nodes (``proof``, relaxation ``TourRelaxation``), or one_tree, or nothing up to 3 nodes,
             whose only tour is summed up
 
-A proof *uses via points* if the rules ask for them, the head has a home (a closed tour can start anywhere), the
-contours of C differ in x (else each is a leftmost one) and the proof does not set "via" to false. One that does
-not use them holds with and without via points.
+A proof *uses via points* if the rules ask for them, the head has a home (a closed tour can start anywhere) and
+it does not set "via" to false. One that does not use them holds with and without via points.
 
 (1) Supersets: let no detour be shorter than the direct way, and C within S. A shortest allowed tour of S, with
     the contours outside C skipped, is a tour of C and no longer. If the proof for C uses no via points, so
@@ -78,7 +77,6 @@ def prove_tour(
     asked = rules.via_points and problem.homes[head] is not None
     via = flag(table.get("via", asked), "via")
     require(asked or not via, "via: the rules ask for no via points here")
-    via = via and len(leftmost(problem, contours)) < len(contours)
     nodes, firsts = _nodes(problem, head, contours, via)
     target = multiplier_scale * length
     if "one_tree" in table:

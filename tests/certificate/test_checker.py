@@ -1,0 +1,31 @@
+"""The checker against everything in the battery."""
+
+import subprocess
+import sys
+
+import pytest
+
+from certificate import battery_rows, battery_split, battery_whole  # noqa: F401, they enter their checks
+from certificate.battery import CHECKS
+from cutgap.formulations import certificate
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_checker(name):
+    CHECKS[name](certificate)
+
+
+def test_no_numpy_and_no_solver_are_imported():
+    code = (
+        "import cutgap.formulations.certificate, sys;"
+        "print([m for m in sys.modules if m.split('.')[0] in {'numpy', 'scipy', 'highspy', 'ortools', 'cvxpy'}"
+        " or m.startswith('cutgap.') and not m.startswith('cutgap.formulations')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("first", ["from cutgap.formulations.solve import solve", "pass"])
+def test_the_front_door_stays_a_function(first):
+    code = f"{first}; import cutgap.formulations as f; assert callable(f.solve); assert 'split' in f.METHODS"
+    subprocess.run([sys.executable, "-c", code], check=True)
