@@ -1,0 +1,74 @@
+"""The folder of a benchmark's results: what is there already, and what is written at the end."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from cutgap.benchmark.records import FILE_NAME, Damage, Record, append_record, finished, read_records
+
+TABLE_NAME = "table.csv"
+REPORT_NAME = "report.html"
+
+
+@dataclass(frozen=True, slots=True)
+class Folder:
+    """Results in ``path``; build it with ``open_folder``.
+
+    Attributes
+    ----------
+    done
+        Records to go on from, by task key.
+    damages
+        Lines that cannot be trusted; their runs count as not done.
+    set_aside
+        Where earlier results went; ``None`` when there were none, or the run goes on from them.
+    """
+
+    path: Path
+    done: dict[str, Record]
+    damages: tuple[Damage, ...]
+    set_aside: Path | None
+
+    @property
+    def results(self) -> Path:
+        """The file of records."""
+        return self.path / FILE_NAME
+
+    def append(self, record: Record) -> None:
+        """Add a finished run, on disk and in ``done``."""
+        append_record(self.results, record)
+        self.done[record.key] = record
+
+    def among(self, keys: Iterable[str]) -> list[Record]:
+        """Return the records of these tasks, in their order, as far as they are finished."""
+        return [self.done[key] for key in keys if key in self.done]
+
+
+def open_folder(path: Path, *, resume: bool) -> Folder:
+    """Make the folder ready for new records.
+
+    With ``resume`` the records in it count as done. Without, results of an earlier run are moved to a
+    sub-folder ``earlier-1``, ``earlier-2``, ...: nothing is overwritten.
+
+    Raises
+    ------
+    OSError
+        When the folder cannot be made, read or written.
+    """
+    path.mkdir(parents=True, exist_ok=True)
+    if resume:
+        records, damages = read_records(path / FILE_NAME)
+        return Folder(path, finished(records), tuple(damages), None)
+    return Folder(path, {}, (), _set_aside(path) if (path / FILE_NAME).exists() else None)
+
+
+def _set_aside(path: Path) -> Path:
+    number = 1
+    while (path / f"earlier-{number}").exists():
+        number += 1
+    target = path / f"earlier-{number}"
+    target.mkdir()
+    for name in (FILE_NAME, TABLE_NAME, REPORT_NAME):
+        if (path / name).exists():
+            (path / name).rename(target / name)
+    return target

@@ -1,0 +1,248 @@
+"""The gap table: how far the plans of each method are from a proved bound.
+
+The gap of a run is (value - lower_bound) / value, where the bound is the best one that any run proved for
+the same instance and rules. A plan that breaks a rule has its violation in the table and no gap.
+"""
+
+import csv
+import io
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from statistics import fmean, median
+
+from cutgap.benchmark.records import Record
+from cutgap.benchmark.wording import describe
+from cutgap.instances import Evaluation, Rules, Status
+from cutgap.instances.result import OPTIMALITY_TOLERANCE
+
+
+class ContradictionError(Exception):
+    """An allowed plan is better than a proved bound, or exists where none was proved to: a defect."""
+
+
+@dataclass(frozen=True, slots=True)
+class TableRow:
+    """One method on one instance, over its seeds.
+
+    Attributes
+    ----------
+    runs, allowed
+        Number of runs, and of those whose plan keeps the rules.
+    best
+        Record of the best allowed run; without one, of the run that is shown in its place.
+    value, mean_value
+        Best and mean value of the allowed runs, in the objective's unit.
+    lower_bound
+        Best bound that any method proved for the instance and rules, same unit.
+    proved
+        Whether that bound is the optimum: some allowed plan meets it.
+    gaps
+        Of each allowed run; empty without a bound.
+    seconds
+        Mean time of a run.
+    note
+        Why there is no allowed plan: a violation, or what the run says.
+    """
+
+    instance: str
+    contours: int
+    rules: Rules
+    method: str
+    runs: int
+    allowed: int
+    best: Record
+    value: float | None
+    mean_value: float | None
+    lower_bound: float | None
+    proved: bool
+    gaps: tuple[float, ...]
+    seconds: float
+    note: str
+
+    @property
+    def evaluation(self) -> Evaluation | None:
+        """Figures of the run that is shown."""
+        return self.best.result.evaluation
+
+    @property
+    def gap(self) -> float | None:
+        """Gap of the best allowed run."""
+        return min(self.gaps, default=None)
+
+    @property
+    def mean_gap(self) -> float | None:
+        """Mean gap of the allowed runs."""
+        return fmean(self.gaps) if self.gaps else None
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """One method over all instances: gaps of all allowed runs that have one, mean seconds of a run."""
+
+    method: str
+    instances: int
+    runs: int
+    allowed: int
+    gaps: tuple[float, ...]
+    seconds: float
+
+    @property
+    def spread(self) -> tuple[float | None, float | None, float | None, float | None]:
+        """Least, mean, median and largest gap; all ``None`` without gaps."""
+        if not self.gaps:
+            return None, None, None, None
+        return min(self.gaps), fmean(self.gaps), median(self.gaps), max(self.gaps)
+
+
+def gap_table(records: Iterable[Record]) -> list[TableRow]:
+    """Return the table's rows, instances and methods in the order in which they appear.
+
+    Raises
+    ------
+    ContradictionError
+        When a record contradicts a proved bound.
+    """
+    problems: dict[tuple[str, Rules], dict[str, list[Record]]] = defaultdict(lambda: defaultdict(list))
+    for record in records:
+        problems[record.instance_hash, record.result.rules][record.result.method].append(record)
+    rows = []
+    for methods in problems.values():
+        every = [record for group in methods.values() for record in group]
+        bound = best_bound(every)
+        best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
+        proved = bound is not None and best is not None and best <= bound + slack(best)
+        rows += [_table_row(group, bound, proved) for group in methods.values()]
+    return rows
+
+
+def allowed_value(record: Record) -> float | None:
+    """Return the value of a record's plan if the plan keeps the rules."""
+    return None if record.result.violations else record.result.value
+
+
+def slack(value: float) -> float:
+    """Return how far a value may be from a bound that it meets."""
+    return OPTIMALITY_TOLERANCE * max(1.0, abs(value))
+
+
+def best_bound(records: Sequence[Record]) -> float | None:
+    """Return the best proved bound of one instance and its rules.
+
+    Raises
+    ------
+    ContradictionError
+        When an allowed plan is below the bound, or exists where none was proved to.
+    """
+    bound = max((b for each in records if (b := each.result.lower_bound) is not None), default=None)
+    impossible = [each for each in records if each.result.status == Status.INFEASIBLE]
+    for record in records:
+        value = allowed_value(record)
+        if value is None:
+            continue
+        place = f"{record.result.method} on {record.instance!r}, seed {record.seed}: value {value}"
+        if bound is not None and value < bound - slack(value):
+            raise ContradictionError(f"{place} is below the proved bound {bound}")
+        if impossible:
+            raise ContradictionError(f"{place}, yet {impossible[0].result.method} proved that no plan exists")
+    return bound
+
+
+def _table_row(group: Sequence[Record], bound: float | None, proved: bool) -> TableRow:
+    values = [(value, each) for each in group if (value := allowed_value(each)) is not None]
+    shown = min(values, key=lambda pair: pair[0])[1] if values else group[0]
+    return TableRow(
+        instance=shown.instance,
+        contours=shown.contours,
+        rules=shown.result.rules,
+        method=shown.result.method,
+        runs=len(group),
+        allowed=len(values),
+        best=shown,
+        value=min((value for value, _ in values), default=None),
+        mean_value=fmean(value for value, _ in values) if values else None,
+        lower_bound=bound,
+        proved=proved,
+        gaps=tuple(relative_gap(value, bound) for value, _ in values) if bound is not None else (),
+        seconds=fmean(each.result.seconds for each in group),
+        note="" if values else _why_not(shown),
+    )
+
+
+def relative_gap(value: float, bound: float) -> float:
+    """Return (value - bound) / value; 0 when the value meets the bound."""
+    return 0.0 if value <= bound + slack(value) else (value - bound) / value
+
+
+def _why_not(record: Record) -> str:
+    result = record.result
+    if result.violations:
+        return "; ".join(str(violation) for violation in result.violations)
+    return f"{result.status}: {result.reason}" if result.reason else str(result.status)
+
+
+def summarise(rows: Sequence[TableRow]) -> list[Summary]:
+    """Return one summary a method, in the order in which they appear."""
+    methods: dict[str, list[TableRow]] = defaultdict(list)
+    for row in rows:
+        methods[row.method].append(row)
+    return [
+        Summary(
+            method=method,
+            instances=len(group),
+            runs=sum(row.runs for row in group),
+            allowed=sum(row.allowed for row in group),
+            gaps=tuple(gap for row in group for gap in row.gaps),
+            seconds=sum(row.seconds * row.runs for row in group) / sum(row.runs for row in group),
+        )
+        for method, group in methods.items()
+    ]
+
+
+def table_csv(rows: Sequence[TableRow]) -> str:
+    """Return the table as CSV text; an empty field is a figure that does not exist."""
+    heads = max((row.best.heads for row in rows), default=2)
+    text = io.StringIO()
+    writer = csv.DictWriter(text, csv_columns(heads), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(cells(row) for row in rows)
+    return text.getvalue()
+
+
+def csv_columns(heads: int) -> list[str]:
+    """Return the names of the CSV's columns for that many heads."""
+    times = [f"time_{head + 1}_s" for head in range(heads)]
+    figures = ["imbalance_s", "makespan_s", "partition_gap_mm", "unit", "value", "value_mean"]
+    proof = ["lower_bound", "proven_optimum", "gap_percent", "gap_mean_percent", "seconds", "note"]
+    run = ["part", "contours", "rules", "method", "runs", "allowed_runs", "travel_mm"]
+    return [*run, *times, *figures, *proof]
+
+
+def cells(row: TableRow) -> dict[str, object]:
+    """Return a row's figures by the names of ``csv_columns``; what does not exist is ``None`` or left out."""
+    found: dict[str, object] = {
+        "part": row.instance,
+        "contours": row.contours,
+        "rules": describe(row.rules),
+        "method": row.method,
+        "runs": row.runs,
+        "allowed_runs": row.allowed,
+        "unit": row.rules.unit,
+        "value": row.value,
+        "value_mean": row.mean_value,
+        "lower_bound": row.lower_bound,
+        "proven_optimum": "yes" if row.proved else "no",
+        "gap_percent": None if row.gap is None else 100 * row.gap,
+        "gap_mean_percent": None if row.mean_gap is None else 100 * row.mean_gap,
+        "seconds": row.seconds,
+        "note": row.note,
+    }
+    if row.evaluation is not None:
+        found |= {f"time_{head + 1}_s": time for head, time in enumerate(row.evaluation.time_s)}
+        found |= {
+            "travel_mm": row.evaluation.total_travel_mm,
+            "imbalance_s": row.evaluation.imbalance_s,
+            "makespan_s": row.evaluation.makespan_s,
+            "partition_gap_mm": row.evaluation.partition_gap_mm,
+        }
+    return found

@@ -1,0 +1,80 @@
+"""Pictures say what the plan says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.collections import PathCollection
+from matplotlib.colors import to_hex
+from oracles.random_instances import random_instance
+
+from cutgap.instances import Plan
+from cutgap.views.plots import HEAD_COLOURS, gap_figure, plan_figure
+
+
+@pytest.fixture
+def instance():
+    return random_instance(np.random.default_rng(2), 6, layout="uniform")
+
+
+def lines(figure):
+    return figure.axes[0].get_lines()
+
+
+def drawn_points(figure, colour):
+    """Return the points of all lines of a colour."""
+    found = [np.column_stack(line.get_data()) for line in lines(figure) if line.get_color() == colour]
+    return np.concatenate(found) if found else np.empty((0, 2))
+
+
+def test_each_head_visits_its_contours_and_its_home(instance):
+    plan = Plan.of_contours([(0, 1, 2), (3, 4, 5)])
+    figure = plan_figure(instance, plan)
+    for head, tour in enumerate(plan.tours):
+        nodes = [instance.node(*visit) for visit in tour] + [instance.home_node(head)]
+        points = drawn_points(figure, HEAD_COLOURS[head])
+        assert {tuple(point) for point in points} == {tuple(instance.points[node, :2]) for node in nodes}
+
+
+def test_contours_carry_their_heads_colour_and_perimeter(instance):
+    figure = plan_figure(instance, Plan.of_contours([(5, 1, 2), (3, 4, 0)]))
+    dots = next(
+        each
+        for each in figure.axes[0].collections
+        if isinstance(each, PathCollection) and len(each.get_offsets()) == 6
+    )
+    colours = [to_hex(colour).upper() for colour in dots.get_facecolors()]
+    assert colours == [HEAD_COLOURS[head] for head in (1, 0, 0, 1, 1, 0)]
+    assert (np.argsort(dots.get_sizes()) == np.argsort(instance.perimeters)).all()
+
+
+def test_the_partition_line_lies_between_the_ranges(instance):
+    order = np.argsort(instance.points[:6, 0])
+    figure = plan_figure(instance, Plan.of_contours([order[:2], order[2:]]))
+    xs = np.sort(instance.points[:6, 0])
+    upright = [line.get_xdata() for line in lines(figure) if len(set(line.get_xdata())) == 1]
+    assert any(np.allclose(data, (xs[1] + xs[2]) / 2) for data in upright)
+
+
+def test_instances_without_plan_or_contours_are_drawn(instance):
+    assert plan_figure(instance, None).axes
+    empty = random_instance(np.random.default_rng(2), 0)
+    assert plan_figure(empty, Plan(((), ()))).axes
+
+
+def test_a_bare_matrix_and_a_foreign_plan_are_refused(instance):
+    machine = replace(instance.machine, metric="matrix")
+    bare = replace(instance, machine=machine, matrix=instance.rapids, located=False)
+    with pytest.raises(ValueError, match="no coordinates"):
+        plan_figure(bare, None)
+    with pytest.raises(ValueError, match="tours"):
+        plan_figure(instance, Plan(((),)))
+
+
+def test_gap_figure_has_a_dot_for_each_run():
+    gaps = [("split", (0.0,)), ("k-means", (0.01, 0.03, 0.02)), ("nothing", ())]
+    figure = gap_figure(gaps)
+    dots = [each.get_offsets()[:, 0] for each in figure.axes[0].collections]
+    for found, (_, shares) in zip(dots, gaps, strict=True):
+        assert np.allclose(found, 100 * np.array(shares))
+    assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == [name for name, _ in gaps]

@@ -1,0 +1,129 @@
+"""The gap table's columns, once for terminal and report: heading, definition, and how a cell reads."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cutgap.benchmark.table import Summary, TableRow
+from cutgap.instances import Evaluation
+
+NOTHING = "-"
+"""What stands where a figure does not exist."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column: its heading, the definition printed under the table, and the text of a row's cell."""
+
+    heading: str
+    definition: str
+    cell: Callable[[TableRow], str]
+    numeric: bool = True
+
+
+def number(value: float | None, digits: int) -> str:
+    """Return a figure with fixed digits, without a minus in front of zero."""
+    return NOTHING if value is None else f"{value:z.{digits}f}"
+
+
+def percent(share: float | None) -> str:
+    """Return a share as percent with three digits."""
+    return NOTHING if share is None else f"{100 * share:z.3f}"
+
+
+def bound(row: TableRow) -> str:
+    """Return the proved bound: ``= optimum``, or ``≥ bound`` when no plan meets it."""
+    if row.lower_bound is None:
+        return NOTHING
+    return f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}"
+
+
+def seconds(value: float) -> str:
+    """Return a time in s with three significant digits, at most three decimals."""
+    return f"{value:.3f}" if value < 1 else f"{value:.2f}" if value < 10 else f"{value:.1f}"
+
+
+def runs(allowed: int, total: int) -> str:
+    """Return the number of runs, with that of the allowed ones when some break rules."""
+    return str(total) if allowed == total else f"{allowed}/{total}"
+
+
+def _figure(heading: str, definition: str, digits: int, get: Callable[[Evaluation], float | None]) -> Column:
+    def cell(row: TableRow) -> str:
+        return NOTHING if row.evaluation is None else number(get(row.evaluation), digits)
+
+    return Column(heading, definition, cell)
+
+
+def _head_time(head: int) -> Column:
+    def get(evaluation: Evaluation) -> float | None:
+        return evaluation.time_s[head] if head < len(evaluation.time_s) else None
+
+    definition = (
+        f"Time of head {head + 1} from leaving its home to being back, cutting and auxiliary time included."
+    )
+    return _figure(f"T_{head + 1} [s]", definition, 1, get)
+
+
+def columns(heads: int) -> list[Column]:
+    """Return the columns for instances with up to that many heads."""
+    return [
+        Column("part", "Name of the instance.", lambda row: row.instance, numeric=False),
+        Column("N", "Number of contours.", lambda row: str(row.contours)),
+        Column("method", "What planned the tours.", lambda row: row.method, numeric=False),
+        Column(
+            "runs",
+            "Number of runs with different seeds; a/b: only a of b plans keep the rules. "
+            "The figures are those of the best allowed run.",
+            lambda row: runs(row.allowed, row.runs),
+        ),
+        _figure("travel [mm]", "Length of all rapids of all heads.", 1, lambda e: e.total_travel_mm),
+        *[_head_time(head) for head in range(heads)],
+        _figure("imbalance [s]", "Longest T minus shortest T.", 2, lambda e: e.imbalance_s),
+        _figure("makespan [s]", "The longest T: what the machine waits for.", 2, lambda e: e.makespan_s),
+        _figure(
+            "F [mm]",
+            "Partition gap: smallest x of the right head's contours minus largest x of the left head's; "
+            "negative is an overlap.",
+            1,
+            lambda e: e.partition_gap_mm,
+        ),
+        Column(
+            "bound",
+            "=: the proved optimum of the objective; ≥: a proved lower bound that no plan meets yet.",
+            bound,
+        ),
+        Column(
+            "gap [%]",
+            "(value - bound) / value of the best allowed run; none for a plan that breaks a rule.",
+            lambda row: percent(row.gap),
+        ),
+        Column("mean gap [%]", "Mean gap of all allowed runs.", lambda row: percent(row.mean_gap)),
+        Column(
+            "time [s]",
+            "Mean wall time of a run, loading and compiling not counted; it depends on the machine.",
+            lambda row: seconds(row.seconds),
+        ),
+    ]
+
+
+SUMMARY_HEADINGS = (
+    "method",
+    "parts",
+    "runs",
+    "least gap [%]",
+    "mean gap [%]",
+    "median gap [%]",
+    "largest gap [%]",
+    "time [s]",
+)
+
+
+def summary_cells(summary: Summary) -> list[str]:
+    """Return the cells of one method's summary, in the order of ``SUMMARY_HEADINGS``."""
+    return [
+        summary.method,
+        str(summary.instances),
+        runs(summary.allowed, summary.runs),
+        *[percent(share) for share in summary.spread],
+        seconds(summary.seconds),
+    ]

@@ -1,0 +1,31 @@
+"""Rules and figures of a plan, as text and as JSON."""
+
+from typing import Any
+
+from cutgap.instances import Evaluation, Instance, Plan
+
+
+def evaluation_fields(evaluation: Evaluation) -> dict[str, Any]:
+    """Return the figures of a plan; travel and time are lists, one entry a head."""
+    return {
+        "travel_mm": list(evaluation.travel_mm),
+        "time_s": list(evaluation.time_s),
+        "makespan_s": evaluation.makespan_s,
+        "imbalance_s": evaluation.imbalance_s,
+        "partition_gap_mm": evaluation.partition_gap_mm,
+        "peak_temperature_c": evaluation.peak_temperature_c,
+    }
+
+
+def print_evaluation(instance: Instance, plan: Plan, evaluation: Evaluation) -> None:
+    """Print the figures of a plan, one a line."""
+    figures = zip(instance.heads, plan.tours, evaluation.travel_mm, evaluation.time_s, strict=True)
+    for head, tour, travel, time in figures:
+        print(f"  {head.id:<14} {len(tour)} contours, travel {travel:.1f} mm, time {time:.2f} s")
+    print(f"  travel         {evaluation.total_travel_mm:.1f} mm")
+    print(f"  makespan       {evaluation.makespan_s:.2f} s")
+    print(f"  imbalance      {evaluation.imbalance_s:.2f} s")
+    if evaluation.partition_gap_mm is not None:
+        print(f"  partition gap  {evaluation.partition_gap_mm:.1f} mm")
+    if evaluation.separation_mm is not None:
+        print(f"  separation     {evaluation.separation_mm:.1f} mm at least, in x, while the heads move")

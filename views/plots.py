@@ -1,0 +1,233 @@
+"""Pictures: the tours of a plan from above, and the distribution of gaps."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+
+from cutgap.instances import Instance, Plan, Visit
+from cutgap.instances.arrays import Floats
+from cutgap.instances.evaluate import require_known
+from cutgap.instances.simulate import tour_nodes
+from cutgap.views.options import require_picture_name
+
+HEAD_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+"""Okabe and Ito's colours, which stay apart for colour-blind readers."""
+UNCUT = "#808080"
+WIDTH = 7.0
+"""Width of figures in inches."""
+DASHED, DOTTED = (0, (4, 3)), (0, (1, 2))
+DOT_AREA = (8.0, 60.0)
+"""Area of the smallest and the largest dot, square points."""
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure; the suffix names the format, errors are those of ``require_picture_name``."""
+    require_picture_name(path)
+    figure.savefig(path, dpi=160)
+
+
+def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = False, title: str = "") -> Figure:
+    """Draw the contours from above and, with a plan, the tour of each head.
+
+    Parameters
+    ----------
+    instance
+        Must carry coordinates.
+    plan
+        ``None`` draws contours and homes alone.
+    via_points
+        Whether the first contour of a tour is a via point; it is marked either way.
+
+    Raises
+    ------
+    ValueError
+        When the instance carries no coordinates, or the plan does not fit it.
+    """
+    if not instance.located:
+        raise ValueError(f"instance {instance.name!r} has a matrix but no coordinates: nothing to draw")
+    if plan is not None:
+        require_known(instance, plan)
+    width, height = _size(instance)
+    figure = Figure(figsize=(width, height))
+    # Margins in inches: to have them found by a layout engine takes as long as all the drawing.
+    left, right, below, above = 0.7, 0.15, 0.8, 0.3
+    axes = figure.add_axes(
+        (left / width, below / height, 1 - (left + right) / width, 1 - (below + above) / height)
+    )
+    axes.set_aspect("equal", anchor="W")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    axes.set_title(title or instance.name, loc="left", fontsize=10)
+    axes.margins(0.04)
+    _draw_contours(axes, instance, plan)
+    if plan is not None:
+        for head, tour in enumerate(plan.tours):
+            _draw_tour(axes, instance, head, tour)
+        _draw_partition(axes, instance, plan)
+    _draw_homes(axes, instance)
+    _draw_legend(figure, instance, plan, via_points)
+    return figure
+
+
+def _size(instance: Instance) -> tuple[float, float]:
+    """Return width and height in inches that suit the instance's proportions."""
+    if instance.node_count == 0:
+        return WIDTH, WIDTH / 2
+    width, height = np.ptp(instance.points[:, :2], axis=0)
+    return WIDTH, float(np.clip(WIDTH * height / width if width > 0 else WIDTH, 2.0, WIDTH)) + 1.1
+
+
+def _colour(head: int) -> str:
+    return HEAD_COLOURS[head % len(HEAD_COLOURS)]
+
+
+def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None) -> None:
+    """Draw outlines where there are any, and a dot at each entry point that is used, sized by perimeter."""
+    owner = {
+        visit.contour: (head, visit.entry)
+        for head, tour in enumerate(plan.tours if plan is not None else ())
+        for visit in tour
+    }
+    largest = max(float(instance.perimeters.max(initial=0.0)), 1e-9)
+    points, areas, colours = [], [], []
+    for index, contour in enumerate(instance.contours):
+        head, entry = owner.get(index, (-1, 0))
+        colours.append(_colour(head) if head >= 0 else UNCUT)
+        points.append(contour.entry_points[entry, :2])
+        share = contour.perimeter / largest
+        if contour.geometry is not None:
+            share = 0.0
+            axes.add_patch(Polygon(contour.geometry, fill=False, edgecolor=colours[-1]))
+        areas.append(DOT_AREA[0] + share * (DOT_AREA[1] - DOT_AREA[0]))
+    if points:
+        xs, ys = np.transpose(points)
+        axes.scatter(xs, ys, s=areas, c=colours, linewidths=0, zorder=3)
+
+
+def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...]) -> None:
+    """Draw the rapids with an arrow in the middle of each; those from and to the home are dashed."""
+    nodes = tour_nodes(instance, head, tour)
+    if not nodes:
+        return
+    points, colour = instance.points[nodes, :2], _colour(head)
+    if instance.home_node(head) is None:
+        inner = points
+    else:
+        inner = points[1:-1]
+        for ends in (points[:2], points[-2:]):
+            axes.plot(ends[:, 0], ends[:, 1], color=colour, linewidth=1.0, linestyle=DASHED, zorder=2)
+    axes.plot(inner[:, 0], inner[:, 1], color=colour, linewidth=1.1, zorder=2)
+    _draw_arrows(axes, points, colour)
+    axes.scatter(inner[0, 0], inner[0, 1], s=130, facecolors="none", edgecolors=colour, zorder=4)
+
+
+def _draw_arrows(axes: Axes, points: Floats, colour: str) -> None:
+    legs = np.diff(points, axis=0)
+    lengths = np.linalg.norm(legs, axis=1)
+    moved = lengths > 0
+    middles, legs = (points[:-1] + legs / 2)[moved], legs[moved] / lengths[moved, None]
+    # A head without a shaft, of fixed size on paper: the line below is the shaft.
+    axes.quiver(
+        middles[:, 0],
+        middles[:, 1],
+        legs[:, 0],
+        legs[:, 1],
+        angles="xy",
+        pivot="mid",
+        units="inches",
+        scale_units="inches",
+        scale=12.0,
+        width=0.014,
+        headwidth=5.5,
+        headlength=6.0,
+        headaxislength=6.0,
+        minlength=0,
+        color=colour,
+        zorder=2.5,
+    )
+
+
+def _draw_partition(axes: Axes, instance: Instance, plan: Plan) -> None:
+    """Draw the line half way between neighbouring ranges; where they overlap, shade the overlap."""
+    xs = [[float(instance.points[instance.node(*visit), 0]) for visit in tour] for tour in plan.tours if tour]
+    for left, right in pairwise(xs):
+        if max(left) <= min(right):
+            middle = (max(left) + min(right)) / 2
+            axes.axvline(middle, color=UNCUT, linewidth=1.2, linestyle=DOTTED, zorder=1)
+        else:
+            axes.axvspan(min(right), max(left), color=UNCUT, alpha=0.18, linewidth=0, zorder=0)
+
+
+def _draw_homes(axes: Axes, instance: Instance) -> None:
+    for head in range(len(instance.heads)):
+        node = instance.home_node(head)
+        if node is not None:
+            x, y = instance.points[node, :2]
+            axes.scatter(x, y, s=70, marker="s", color=_colour(head), edgecolors="white", zorder=5)
+
+
+def _draw_legend(figure: Figure, instance: Instance, plan: Plan | None, via_points: bool) -> None:
+    handles = []
+    if plan is not None:
+        for index, head in enumerate(instance.heads):
+            handles.append(Line2D([], [], color=_colour(index), label=f"head {head.id}"))
+        first = "via point" if via_points else "first contour"
+        handles.append(_mark("o", first, filled=False))
+        if sum(map(bool, plan.tours)) > 1:
+            handles.append(Line2D([], [], color=UNCUT, linestyle=DOTTED, label="partition (band: overlap)"))
+    if any(head.home is not None for head in instance.heads):
+        handles.append(_mark("s", "home", filled=True))
+    if handles:
+        columns = min(5, len(handles))
+        figure.legend(handles=handles, loc="lower left", ncols=columns, frameon=False, fontsize=8)
+
+
+def _mark(marker: Literal["o", "s"], label: str, *, filled: bool) -> Line2D:
+    fill = UNCUT if filled else "none"
+    return Line2D([], [], color=UNCUT, marker=marker, markerfacecolor=fill, linestyle="none", label=label)
+
+
+def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
+    """Draw the gaps of each method: a dot for each run over a box of quartiles.
+
+    Parameters
+    ----------
+    gaps
+        Method and the gaps of its runs, as shares; methods without gaps keep an empty line.
+    """
+    figure = Figure(figsize=(WIDTH, 0.7 + 0.55 * len(gaps)), layout="constrained")
+    axes = figure.add_subplot()
+    positions = range(len(gaps), 0, -1)
+    for position, (_, shares) in zip(positions, gaps, strict=True):
+        percents = 100 * np.asarray(shares)
+        # Even steps up and down instead of random ones: the picture is the same each time.
+        offsets = 0.22 * (np.arange(len(percents)) % 5 - 2) / 2
+        axes.scatter(
+            percents, position + offsets, s=9, color=HEAD_COLOURS[0], alpha=0.6, linewidths=0, zorder=3
+        )
+    boxes = [100 * np.asarray(shares) for _, shares in gaps]
+    line = {"color": UNCUT, "linewidth": 1.1}
+    axes.boxplot(
+        boxes,
+        positions=list(positions),
+        orientation="horizontal",
+        widths=0.62,
+        showfliers=False,
+        boxprops=line,
+        whiskerprops=line,
+        capprops=line,
+        medianprops={"color": HEAD_COLOURS[1], "linewidth": 1.8},
+    )
+    axes.set_yticks(list(positions), [method for method, _ in gaps])
+    axes.set_xlabel("gap to the proved bound [%]")
+    axes.set_xlim(left=min(0.0, -0.02 * max((float(b.max()) for b in boxes if len(b)), default=1.0)))
+    axes.grid(axis="x", color=UNCUT, alpha=0.25, linewidth=0.7)
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    return figure
