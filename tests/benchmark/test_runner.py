@@ -41,8 +41,10 @@ def test_one_record_a_task(tasks, expected):
 
 
 def test_worker_processes_find_the_same(tasks, expected):
+    some = [task for task in tasks if task.method in ("split", "local-search")]
     with process_executor(2) as executor:
-        assert outcomes(run_tasks(tasks, executor, in_flight=4)) == expected
+        found = outcomes(run_tasks(some, executor, in_flight=4))
+    assert found == {task.key: expected[task.key] for task in some}
 
 
 def test_a_dask_cluster_finds_the_same(tasks, expected):
