@@ -18,7 +18,8 @@ stops when the best plan meets the least bound. Bounds are valid because
 
 (3) in a metric, L_a grows with its set, so bounds pass from sets to supersets (``sides``), and the decided
     sets of a cell bound all of its plans; with via points this holds for the left head only: its leftmost
-    holes stay the same, while dropping the right head's leftmost hole changes the via point;
+    holes stay the same, while dropping the right head's leftmost hole changes the via point. So in cells
+    with free holes the right head counts with its shortest tour without via point;
 (4) for w <= v_jump, (2) does not fall when a tour gets longer: shortest tours are best. For w > v_jump a plan
     can gain by a longer tour, so |T_1 - T_2| is priced at min(w, v_jump) in the bound, which stays valid;
 (5) max(T_1, T_2) >= (T_1 + T_2) / 2.
@@ -118,6 +119,7 @@ class SplitSearch:
             Sides(instance, 0, via_points=via, inherits=self.metric),
             Sides(instance, 1, via_points=via, inherits=self.metric and not via),
         )
+        self.free_right = Sides(instance, 1, via_points=False, inherits=self.metric) if via else self.sides[1]
         self.heap: list[Cell] = []
         self.seen: set[tuple[int, int]] = set()
         self.numbers = 0
@@ -200,7 +202,7 @@ class SplitSearch:
             self.closed_bound = min(self.closed_bound, cell.bound)
             return True
         members = (cell.left, cell.right)[head]
-        complete = self.sides[head].tighten(members, self._cutoff(cell, head), self.deadline)
+        complete = self._sides(cell.free)[head].tighten(members, self._cutoff(cell, head), self.deadline)
         if not cell.free:
             self._offer_tours(cell)
         return complete
@@ -209,12 +211,12 @@ class SplitSearch:
         """Whether a cell with free holes deserves a Held-Karp bound before it is divided."""
         return self.metric and any(
             members and not sides.side(members).relaxed
-            for sides, members in zip(self.sides, (cell.left, cell.right), strict=True)
+            for sides, members in zip(self._sides(cell.free), (cell.left, cell.right), strict=True)
         )
 
     def _loose_head(self, cell: Cell) -> int | None:
         """Return the head whose tour bound to tighten: what was not relaxed yet, then what counts more."""
-        pairs = self._pair(cell.left, cell.right)
+        pairs = self._pair(cell.left, cell.right, cell.free)
         open_heads = [head for head, side in enumerate(pairs) if not side.is_exact]
         if not open_heads:
             return None
@@ -222,14 +224,19 @@ class SplitSearch:
         speed = self.instance.machine.v_jump
         return max(fresh or open_heads, key=lambda head: pairs[head].lower / speed + pairs[head].service_s)
 
-    def _pair(self, left: int, right: int) -> tuple[Side, Side]:
-        return self.sides[0].side(left), self.sides[1].side(right)
+    def _sides(self, free: tuple[int, ...]) -> tuple[Sides, Sides]:
+        """Return what bounds the two heads in a cell with these free holes, see (3)."""
+        return self.sides[0], self.free_right if free else self.sides[1]
+
+    def _pair(self, left: int, right: int, free: tuple[int, ...] = ()) -> tuple[Side, Side]:
+        sides = self._sides(free)
+        return sides[0].side(left), sides[1].side(right)
 
     # Bounds
 
     def _bound(self, left: int, right: int, free: tuple[int, ...]) -> float:
         """Lower bound on the objective of a cell's plans; without a metric, decided sets say nothing."""
-        one, two = self._pair(left, right)
+        one, two = self._pair(left, right, free)
         usable = self.metric or not free
         floating_s = float(self.instance.service_times[list(free)].sum())
         lengths = (one.lower, two.lower) if usable else (0.0, 0.0)
@@ -315,6 +322,11 @@ class SplitSearch:
                 for head, sides in enumerate(self.sides)
                 for _, side in sides.proved()
             ]
+            if self.free_right is not self.sides[1]:
+                tours += [
+                    side_proof(1, side, ids, margin, MULTIPLIER_SCALE) | {"via": False}
+                    for _, side in self.free_right.proved()
+                ]
             bound = None
             if result.lower_bound is not None:
                 bound = max(0, int(np.floor((result.lower_bound * unit - 3 * margin) * SCALE)))

@@ -4,8 +4,9 @@ r"""Proved tour lengths: L_a(C) >= length for one head a and one set C of contou
     proof   rows and nodes (``proof``, relaxation ``TourRelaxation``), or one_tree, or nothing up to 3 nodes,
             whose only tour is summed up
 
-A proof *uses via points* if the rules ask for them, the head has a home (a closed tour can start anywhere) and
-it does not set "via" to false. One that does not use them holds with and without via points.
+A proof *uses via points* if the rules ask for them, the head has a home (a closed tour can start anywhere), the
+contours of C differ in x (else each is a leftmost one) and it does not set "via" to false. One that does not
+use them holds with and without via points.
 
 (1) Supersets: let no detour be shorter than the direct way, and C within S. A shortest allowed tour of S, with
     the contours outside C skipped, is a tour of C and no longer. If the proof for C uses no via points, so
@@ -90,7 +91,8 @@ def prove_tour(
         legs = zip(nodes, nodes[1:] + nodes[:1], strict=True)
         proved = sum(problem.lengths(u, [v], scale)[0] for u, v in legs)
         require(proved >= length, f"the tour has length {show(proved)}, not {show(length)}")
-    return ProvedTour(head, bit_mask(contours), length, via)
+    differ = len(leftmost(problem, contours)) < len(contours)
+    return ProvedTour(head, bit_mask(contours), length, via and differ)
 
 
 def _one_tree(
