@@ -52,6 +52,10 @@ def proofs_with_via_points_pass_to_sets_with_the_same_leftmost(api: Any) -> None
     # Contour 1 may come first as well, and then the rest may begin with contour 2.
     assert tours.length(0, [0, 1, 2], []) == 0
     assert tours.length(0, [0, 2], [1]) == 0
+    rules = api.rules_of(asdict(Rules(via_points=True)), problem)
+    for contours, more, via in (("c0 c2", {}, True), ("c0 c1", {}, False), ("c0 c2", {"via": False}, False)):
+        proof = {"head": 0, "contours": contours.split(), "length": 0, **more}
+        assert api.tours.prove_tour(problem, rules, proof, 1, 1, api.proof.Budget()).via == via
     plain = api.tours.TourBounds(problem, [api.tours.ProvedTour(0, 0b0101, 7, False)])
     assert plain.length(0, [0, 1, 2], []) == plain.length(0, [0, 2], [1]) == 7
 

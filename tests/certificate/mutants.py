@@ -210,6 +210,8 @@ MUTANTS = [
         ("and not floating", ""),
         ("kept = not tour.via or", "kept = False and not tour.via or"),
         ("> self.problem.xs[first]", ">= self.problem.xs[first]"),
+        ("via and differ", "via"),
+        ("via and differ", "False"),
     ),
     # split.py
     *mutants(
