@@ -29,7 +29,7 @@ from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.arrays import Ints
 from cutgap.instances.progress import Progress, Watch, nobody
 
-SURVEYED = 64
+SURVEYED = 128
 """Most splits that are surveyed evenly; of more, those near the best follow."""
 
 Sides = tuple[SideTour, ...]
@@ -42,7 +42,7 @@ class LocalSearchParameters:
     Parameters
     ----------
     kicks
-        Perturbations per tour of a promising split.
+        Perturbations per tour of a promising split; the best one gets four times as many in the end.
     survey_kicks
         Perturbations per tour when all splits are surveyed.
     finalists
@@ -52,8 +52,8 @@ class LocalSearchParameters:
     """
 
     kicks: int = 500
-    survey_kicks: int = 5
-    finalists: int = 6
+    survey_kicks: int = 10
+    finalists: int = 7
     reassignments: int = 200
 
     def __post_init__(self) -> None:
@@ -196,15 +196,15 @@ def search_splits(incumbent: Incumbent, parameters: LocalSearchParameters, rng: 
             if beside not in search.planned:
                 search.plan(beside, parameters.survey_kicks)
         waiting = [split for split in search.planned if split not in searched]
-        if not waiting:
-            return
-        split = min(waiting, key=search.score)
+        # Every other finalist is away from those before: the survey cannot rank distant splits well.
+        apart = [split for split in waiting if all(abs(split - other) > 2 for other in searched)]
+        split = min(apart if apart and len(searched) % 2 else waiting, key=search.score)
         searched.add(split)
         search.plan(split, parameters.kicks)
     movable = contours_of_equal_x(incumbent)
     if len(movable):
         reassign(incumbent, movable, parameters.reassignments, parameters.survey_kicks, rng)
-        polish(incumbent, parameters.kicks, rng)
+    polish(incumbent, 4 * parameters.kicks, rng)
 
 
 def survey(count: int) -> list[int]:
