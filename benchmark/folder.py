@@ -1,13 +1,16 @@
 """The folder of a benchmark's results: what is there already, and what is written at the end."""
 
+import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cutgap.benchmark.records import FILE_NAME, Damage, Record, append_record, finished, read_records
+from cutgap.instances.formats import write_atomically
 
 TABLE_NAME = "table.csv"
 REPORT_NAME = "report.html"
+CERTIFICATES = "certificates"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +38,13 @@ class Folder:
         return self.path / FILE_NAME
 
     def append(self, record: Record) -> None:
-        """Add a finished run, on disk and in ``done``."""
+        """Add a finished run, on disk and in ``done``; its certificate goes to a file of its own, first."""
+        proof = record.result.certificate
+        if proof is not None:
+            name = f"{record.key}.json"
+            (self.path / CERTIFICATES).mkdir(exist_ok=True)
+            write_atomically(self.path / CERTIFICATES / name, json.dumps(proof, separators=(",", ":")))
+            record = replace(record, certificate=name, result=replace(record.result, certificate=None))
         append_record(self.results, record)
         self.done[record.key] = record
 
@@ -68,7 +77,7 @@ def _set_aside(path: Path) -> Path:
         number += 1
     target = path / f"earlier-{number}"
     target.mkdir()
-    for name in (FILE_NAME, TABLE_NAME, REPORT_NAME):
+    for name in (FILE_NAME, TABLE_NAME, REPORT_NAME, CERTIFICATES):
         if (path / name).exists():
             (path / name).rename(target / name)
     return target

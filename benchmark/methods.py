@@ -1,12 +1,13 @@
 """One way to call every method, exact or heuristic: a name in, a checked ``Result`` out."""
 
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 from time import perf_counter
 
 import numpy as np
 
-from cutgap.formulations import METHODS, solve
+from cutgap.formulations import METHODS, resolve, solve
 from cutgap.heuristics import HEURISTICS
 from cutgap.instances import Contour, Head, Instance, Result, Rules, conclude
 from cutgap.instances.progress import Watch, nobody
@@ -43,6 +44,7 @@ def run(
     *,
     seed: int = 0,
     time_limit: float | None = None,
+    certify: bool = False,
     watch: Watch = nobody,
 ) -> Result:
     """Run one method on one instance.
@@ -55,6 +57,8 @@ def run(
         Seed of the random numbers; exact methods use none.
     time_limit
         Limit in s; ``None`` sets none.
+    certify
+        Whether an exact method adds a verified certificate of its bound.
     watch
         Told of every better plan or bound.
 
@@ -65,11 +69,31 @@ def run(
     """
     require_known(method)
     if is_exact(method):
-        return solve(instance, rules, method=method, time_limit=time_limit, watch=watch)
+        return _run_exact(method, instance, rules, seed, time_limit, certify, watch)
     start = perf_counter()
     rng = np.random.default_rng(seed)
     plan = HEURISTICS[method](instance, rules, rng=rng, watch=watch, time_limit=time_limit)
     return conclude(instance, rules, plan, method=method, seconds=perf_counter() - start, seed=seed)
+
+
+def _run_exact(
+    method: str,
+    instance: Instance,
+    rules: Rules,
+    seed: int,
+    time_limit: float | None,
+    certify: bool,
+    watch: Watch,
+) -> Result:
+    """Run an exact method; where the partition is free it starts from a plan of the local search."""
+    begun, start = perf_counter(), None
+    if resolve(method, rules) == "free":
+        with suppress(ValueError):
+            start = HEURISTICS["local-search"](instance, rules, rng=np.random.default_rng(seed))
+    spent = perf_counter() - begun
+    left = None if time_limit is None else max(0.0, time_limit - spent)
+    result = solve(instance, rules, method=method, time_limit=left, start=start, certify=certify, watch=watch)
+    return replace(result, seconds=result.seconds + spent)
 
 
 @cache

@@ -39,6 +39,8 @@ class Record:
         As in the task; the limit in s.
     result
         The outcome; its plan was evaluated and checked.
+    certificate
+        Name of the file with the verified proof of the bound; ``None`` when it is the solver's claim.
     versions
         Of Python, of this package and of the libraries behind it.
     """
@@ -52,6 +54,7 @@ class Record:
     time_limit: float | None
     result: Result
     versions: dict[str, str]
+    certificate: str | None = None
 
     def __post_init__(self) -> None:
         if self.result.plan is not None and self.result.evaluation is None:

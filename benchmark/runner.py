@@ -39,6 +39,7 @@ def run_task(task: Task, watch: Watch = nobody) -> Record:
         task.rules,
         seed=task.seed,
         time_limit=task.time_limit,
+        certify=True,
         watch=watch,
     )
     return make_record(task, result)

@@ -37,6 +37,8 @@ class TableRow:
         Best bound that any method proved for the instance and rules, same unit.
     proved
         Whether that bound is the optimum: some allowed plan meets it.
+    certified
+        Whether a certificate of the bound was verified; else it is a solver's claim.
     gaps
         Of each allowed run; empty without a bound.
     seconds
@@ -56,6 +58,7 @@ class TableRow:
     mean_value: float | None
     lower_bound: float | None
     proved: bool
+    certified: bool
     gaps: tuple[float, ...]
     seconds: float
     note: str
@@ -110,9 +113,13 @@ def gap_table(records: Iterable[Record]) -> list[TableRow]:
     for methods in problems.values():
         every = [record for group in methods.values() for record in group]
         bound = best_bound(every)
+        certified = bound is not None and any(
+            each.certificate is not None and (each.result.lower_bound or 0.0) >= bound - slack(bound)
+            for each in every
+        )
         best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
         proved = bound is not None and best is not None and best <= bound + slack(best)
-        rows += [_table_row(group, bound, proved) for group in methods.values()]
+        rows += [_table_row(group, bound, proved, certified) for group in methods.values()]
     return rows
 
 
@@ -148,7 +155,7 @@ def best_bound(records: Sequence[Record]) -> float | None:
     return bound
 
 
-def _table_row(group: Sequence[Record], bound: float | None, proved: bool) -> TableRow:
+def _table_row(group: Sequence[Record], bound: float | None, proved: bool, certified: bool) -> TableRow:
     values = [(value, each) for each in group if (value := allowed_value(each)) is not None]
     shown = min(values, key=lambda pair: pair[0])[1] if values else group[0]
     return TableRow(
@@ -163,6 +170,7 @@ def _table_row(group: Sequence[Record], bound: float | None, proved: bool) -> Ta
         mean_value=fmean(value for value, _ in values) if values else None,
         lower_bound=bound,
         proved=proved,
+        certified=certified,
         gaps=tuple(relative_gap(value, bound) for value, _ in values) if bound is not None else (),
         seconds=fmean(each.result.seconds for each in group),
         note="" if values else _why_not(shown),
@@ -213,7 +221,7 @@ def csv_columns(heads: int) -> list[str]:
     """Return the names of the CSV's columns for that many heads."""
     times = [f"time_{head + 1}_s" for head in range(heads)]
     figures = ["imbalance_s", "makespan_s", "partition_gap_mm", "unit", "value", "value_mean"]
-    proof = ["lower_bound", "proven_optimum", "gap_percent", "gap_mean_percent", "seconds", "note"]
+    proof = ["lower_bound", "proven_optimum", "certified", "gap_percent", "gap_mean_percent", "seconds", "note"]
     run = ["part", "contours", "rules", "method", "runs", "allowed_runs", "travel_mm"]
     return [*run, *times, *figures, *proof]
 
@@ -232,6 +240,7 @@ def cells(row: TableRow) -> dict[str, object]:
         "value_mean": row.mean_value,
         "lower_bound": row.lower_bound,
         "proven_optimum": "yes" if row.proved else "no",
+        "certified": "yes" if row.certified else "no",
         "gap_percent": None if row.gap is None else 100 * row.gap,
         "gap_mean_percent": None if row.mean_gap is None else 100 * row.mean_gap,
         "seconds": row.seconds,

@@ -9,9 +9,9 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cutgap.formulations.solve import METHODS, solve
+    from cutgap.formulations.solve import METHODS, resolve, solve
 
-__all__ = ["METHODS", "solve"]
+__all__ = ["METHODS", "resolve", "solve"]
 
 
 class _Package(ModuleType):
@@ -20,6 +20,10 @@ class _Package(ModuleType):
     @property
     def METHODS(self) -> Any:  # noqa: N802
         return import_module("cutgap.formulations.solve").METHODS
+
+    @property
+    def resolve(self) -> Any:
+        return import_module("cutgap.formulations.solve").resolve
 
     @property
     def solve(self) -> Any:

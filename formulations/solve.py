@@ -11,6 +11,15 @@ METHODS: dict[str, Callable[..., Result]] = {"split": solve_split, "free": solve
 """Exact methods by name; ``auto`` chooses among them."""
 
 
+def resolve(method: str, rules: Rules) -> str:
+    """Return the name of an exact method; ``auto`` takes the threshold search wherever it applies."""
+    if method == "auto":
+        return "free" if rules.non_overlap is None or rules.balance is not None else "split"
+    if method not in METHODS:
+        raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
+    return method
+
+
 def solve(
     instance: Instance,
     rules: Rules,
@@ -41,8 +50,5 @@ def solve(
     ValueError
         When the method is unknown or does not apply to the instance.
     """
-    if method == "auto":
-        method = "free" if rules.non_overlap is None or rules.balance is not None else "split"
-    if method not in METHODS:
-        raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
-    return METHODS[method](instance, rules, time_limit=time_limit, start=start, certify=certify, watch=watch)
+    run = METHODS[resolve(method, rules)]
+    return run(instance, rules, time_limit=time_limit, start=start, certify=certify, watch=watch)

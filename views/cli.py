@@ -1,4 +1,4 @@
-"""The command ``cutgap``. Exit codes: 0 good, 1 the check failed or there is no plan, 2 bad input."""
+"""The command ``cutgap``. Exit codes: 0 good, 1 a check or proof failed or there is no plan, 2 bad input."""
 
 import os
 import sys
@@ -18,9 +18,10 @@ app = App(
 )
 # Named by text, so that a command loads only what it needs: the solvers take a second.
 COMMANDS = {
-    "gaps": ("cutgap.views.gaps:gaps", "Compare methods with proved optima or bounds over a suite."),
+    "gaps": ("cutgap.views.gaps:app", "Compare methods with proved optima or bounds over a suite."),
     "solve": ("cutgap.views.solving:solve", "Plan one instance and say how far the plan is from the optimum."),
     "check": ("cutgap.views.checking:check", "Check a plan against every rule."),
+    "verify": ("cutgap.views.verifying:verify", "Prove a bound again in exact arithmetic, without any solver."),
     "generate": ("cutgap.views.files:generate", "Draw a random instance of a reference experiment."),
     "convert": ("cutgap.views.files:convert", "Write an instance in another format."),
     "plot": ("cutgap.views.drawing:plot", "Draw an instance, or a plan for it, from above."),

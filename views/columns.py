@@ -31,10 +31,11 @@ def percent(share: float | None) -> str:
 
 
 def bound(row: TableRow) -> str:
-    """Return the proved bound: ``= optimum``, or ``≥ bound`` when no plan meets it."""
+    """Return the bound: ``= optimum``, or ``≥ bound`` when no plan meets it; ``claimed`` without a proof."""
     if row.lower_bound is None:
         return NOTHING
-    return f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}"
+    claimed = "" if row.certified else " claimed"
+    return f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}{claimed}"
 
 
 def seconds(value: float) -> str:
@@ -89,7 +90,8 @@ def columns(heads: int) -> list[Column]:
         ),
         Column(
             "bound",
-            "=: the proved optimum of the objective; ≥: a proved lower bound that no plan meets yet.",
+            "=: the optimum of the objective; ≥: a lower bound that no plan meets yet. Its certificate was "
+            "verified in exact arithmetic; claimed: by the solver alone.",
             bound,
         ),
         Column(

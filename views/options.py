@@ -37,6 +37,8 @@ class RuleOptions:
     """Let the ranges of the heads overlap."""
     via_points: bool = False
     """Each head cuts the leftmost contour of its range first."""
+    empty_heads: bool = False
+    """Let a head stay without work."""
 
     def rules(self) -> Rules:
         """Return the rules.
@@ -54,6 +56,7 @@ class RuleOptions:
             non_overlap=None if self.overlap else self.non_overlap or 0.0,
             balance=self.balance,
             via_points=self.via_points,
+            empty_heads=self.empty_heads,
         )
 
 

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from cutgap.benchmark.methods import AUTO, require_known, run
+from cutgap.benchmark.methods import AUTO, is_exact, require_known, run
 from cutgap.benchmark.wording import describe
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
-from cutgap.instances.formats import read_instance, write_plan
+from cutgap.instances.formats import read_instance, write_atomically, write_plan
 from cutgap.instances.formats.json_format import format_plan
 from cutgap.views.figures import evaluation_fields, print_evaluation
 from cutgap.views.options import (
@@ -39,6 +39,7 @@ def solve(
     time_limit: TimeLimit = None,
     seed: Seed = 0,
     out: Annotated[Path | None, Parameter(help="File for the plan (.json).")] = None,
+    certificate: Annotated[Path | None, Parameter(help="File for the proof of the bound (.json).")] = None,
     plot: Annotated[Path | None, Parameter(help="Picture of the plan (.png, .svg, .pdf).")] = None,
     machine: MachineArguments = FILE_MACHINE,
     json: Json = False,
@@ -47,15 +48,19 @@ def solve(
 
     Ctrl-C stops with the best plan found and the bound proved so far.
     """
-    _require_targets(out, plot)
+    _require_targets(out, certificate, plot)
     require_known(method)
+    if certificate is not None and not is_exact(method):
+        raise ValueError(f"--certificate: the method {method} is a heuristic and proves no bound")
     require_seed(seed)
     require_time_limit(time_limit)
     instance = read_instance(file, machine.options())
     asked = rules.rules()
-    result = _run(instance, asked, method, seed, time_limit)
+    result = _run(instance, asked, method, seed, time_limit, certify=certificate is not None)
     if result.plan is not None and out is not None:
         write_plan(result.plan, instance, out)
+    if certificate is not None and result.certificate is not None:
+        write_atomically(certificate, json_library.dumps(result.certificate, separators=(",", ":")))
     if result.plan is not None and plot is not None:
         _draw(instance, result.plan, result, plot)
     if json:
@@ -66,6 +71,9 @@ def solve(
         print(f"cutgap: the plan breaks a rule: {violation}", file=sys.stderr)
     if result.reason:
         print(f"cutgap: {result.reason}", file=sys.stderr)
+    if certificate is not None and result.certificate is None:
+        print("cutgap: no certificate: the bound is the solver's claim", file=sys.stderr)
+        return 1
     return 0 if result.status in (Status.OPTIMAL, Status.FEASIBLE) else 1
 
 
@@ -77,22 +85,25 @@ def _draw(instance: Instance, plan: Plan, result: Result, path: Path) -> None:
     save(plan_figure(instance, plan, via_points=rules.via_points, title=title), path)
 
 
-def _require_targets(out: Path | None, plot: Path | None) -> None:
+def _require_targets(out: Path | None, certificate: Path | None, plot: Path | None) -> None:
     """Refuse names that cannot be written before the work, not after it."""
-    if out is not None and out.suffix.lower() != ".json":
-        raise ValueError(f"--out {out}: expected a name ending in .json")
+    for option, path in (("--out", out), ("--certificate", certificate)):
+        if path is not None and path.suffix.lower() != ".json":
+            raise ValueError(f"{option} {path}: expected a name ending in .json")
     if plot is not None:
         require_picture_name(plot)
-    for path in (out, plot):
+    for path in (out, certificate, plot):
         if path is not None and not path.parent.is_dir():
             raise ValueError(f"{path}: the folder {path.parent} does not exist")
 
 
-def _run(instance: Instance, rules: Rules, method: str, seed: int, time_limit: float | None) -> Result:
+def _run(
+    instance: Instance, rules: Rules, method: str, seed: int, time_limit: float | None, *, certify: bool
+) -> Result:
     start = perf_counter()
     try:
         with watch_run(f"{instance.name}, {method}", rules.unit) as watch:
-            return run(method, instance, rules, seed=seed, time_limit=time_limit, watch=watch)
+            return run(method, instance, rules, seed=seed, time_limit=time_limit, certify=certify, watch=watch)
     except KeyboardInterrupt:
         seconds = perf_counter() - start
         return conclude(
@@ -123,7 +134,8 @@ def _print_result(instance: Instance, result: Result) -> None:
     if result.value is not None and not result.violations:
         print(f"  value          {result.value:.3f} {unit}")
     if result.lower_bound is not None:
-        print(f"  lower bound    {result.lower_bound:.3f} {unit}")
+        proof = "certified" if result.certificate is not None else "the solver's claim"
+        print(f"  lower bound    {result.lower_bound:.3f} {unit}, {proof}")
     if result.gap is not None:
         print(f"  gap            {100 * result.gap:.4f} %")
     if result.plan is not None and result.evaluation is not None:
