@@ -317,4 +317,4 @@ def via_split(seed: int) -> StrongSplit:
 @cache
 def strongest_split() -> list[StrongSplit]:
     """Instances with via points, ties, no metric, weights above v_jump, balance, rest and gaps."""
-    return [drawn_split(seed) for seed in range(80)] + [via_split(seed) for seed in range(12)]
+    return [drawn_split(seed) for seed in range(50)] + [via_split(seed) for seed in range(8)]

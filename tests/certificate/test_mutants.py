@@ -34,8 +34,8 @@ def test_an_unchanged_copy_passes(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     copy = importlib.import_module(package)
     assert copy.verify is not certificate.verify
-    for killer in sorted({mutant.killer for mutant in MUTANTS}):
-        CHECKS[killer](copy)
+    for name in ("forgeries_are_refused", "cells_are_all_partitions", "rows_of_a_tour_hold_and_are_tight"):
+        CHECKS[name](copy)
 
 
 def copy_of_checker(folder: Path, package: str, mutant: Mutant | None) -> str:
