@@ -10,6 +10,8 @@ from cutgap.instances.formats import write_atomically
 
 TABLE_NAME = "table.csv"
 REPORT_NAME = "report.html"
+AUDIT_TABLE_NAME = "audit.csv"
+AUDIT_REPORT_NAME = "audit.html"
 CERTIFICATES = "certificates"
 
 
@@ -77,7 +79,7 @@ def _set_aside(path: Path) -> Path:
         number += 1
     target = path / f"earlier-{number}"
     target.mkdir()
-    for name in (FILE_NAME, TABLE_NAME, REPORT_NAME, CERTIFICATES):
+    for name in (FILE_NAME, TABLE_NAME, REPORT_NAME, AUDIT_TABLE_NAME, AUDIT_REPORT_NAME, CERTIFICATES):
         if (path / name).exists():
             (path / name).rename(target / name)
     return target

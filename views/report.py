@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.resources import files
 from itertools import groupby
 from string import Template
 
@@ -14,6 +13,7 @@ from cutgap.benchmark.table import Summary, TableRow, summarise
 from cutgap.benchmark.wording import describe
 from cutgap.instances import Instance, Rules
 from cutgap.views.columns import SUMMARY_HEADINGS, Column, columns, percent, seconds, summary_cells
+from cutgap.views.pages import definition, html_table, text_class, view_text
 from cutgap.views.plots import gap_figure, plan_figure
 from cutgap.views.svg import inline_svg, page_style
 
@@ -53,25 +53,22 @@ def report_html(
     failures
         Runs that raised an error.
     """
-    template = Template(files("cutgap.views").joinpath("report.html").read_text(encoding="utf-8"))
+    template = Template(view_text("report.html"))
     shown = columns(max((row.best.heads for row in rows), default=2))
     summaries = summarise(rows)
     return template.substitute(
+        style=view_text("page.css"),
         title=escape(f"Optimality gaps: {run.suite}"),
         lead=escape(f"{len(instances)} parts; asked for: {describe(run.rules)}."),
         warnings=_warnings(run, records, failures),
         cards=_cards(run, records, rows, summaries),
-        summary_table=_html_table(SUMMARY_HEADINGS, [[summary_cells(each) for each in summaries]]),
+        summary_table=html_table(SUMMARY_HEADINGS, [[summary_cells(each) for each in summaries]]),
         gap_plot=_gap_plot(summaries),
         table=_part_table(shown, rows),
         plans=_plans(rows, instances),
-        definitions="\n".join(_definition(column.heading, column.definition) for column in shown),
-        provenance="\n".join(_definition(*pair) for pair in _provenance(run, records)),
+        definitions="\n".join(definition(column.heading, column.definition) for column in shown),
+        provenance="\n".join(definition(*pair) for pair in _provenance(run, records)),
     )
-
-
-def _definition(term: str, text: str) -> str:
-    return f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>"
 
 
 def _warnings(run: Run, records: Sequence[Record], failures: Sequence[Failure]) -> str:
@@ -102,30 +99,14 @@ def _cards(run: Run, records: Sequence[Record], rows: Sequence[TableRow], summar
     )
 
 
-def _html_table(headings: Sequence[str], groups: Sequence[Sequence[Sequence[str]]]) -> str:
-    head = "".join(f"<th{_text_class(heading)}>{escape(heading)}</th>" for heading in headings)
-    bodies = []
-    for group in groups:
-        lines = []
-        for cells in group:
-            pairs = zip(headings, cells, strict=True)
-            lines.append("<tr>" + "".join(f"<td{_text_class(h)}>{escape(c)}</td>" for h, c in pairs) + "</tr>")
-        bodies.append("<tbody>" + "\n".join(lines) + "</tbody>")
-    return f"<table><thead><tr>{head}</tr></thead>{''.join(bodies)}</table>"
-
-
-def _text_class(heading: str) -> str:
-    return ' class="text"' if heading in ("part", "method") else ""
-
-
 def _part_table(shown: Sequence[Column], rows: Sequence[TableRow]) -> str:
-    head = "".join(f"<th{_text_class(column.heading)}>{escape(column.heading)}</th>" for column in shown)
+    head = "".join(f"<th{text_class(column.heading)}>{escape(column.heading)}</th>" for column in shown)
     bodies = []
     for _, group in groupby(rows, key=lambda row: row.best.instance_hash):
         lines = []
         for row in group:
             kind = ' class="best"' if row.gap == 0 else ""
-            cells = "".join(f"<td{_text_class(c.heading)}>{escape(c.cell(row))}</td>" for c in shown)
+            cells = "".join(f"<td{text_class(c.heading)}>{escape(c.cell(row))}</td>" for c in shown)
             lines.append(f"<tr{kind}>{cells}</tr>")
             if row.note:
                 lines.append(f'<tr class="note"><td colspan="{len(shown)}">{escape(row.note)}</td></tr>')
