@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.sides import Sides
 from cutgap.instances import Instance, Plan, Rules, check, evaluate
 from cutgap.instances.arrays import Floats
@@ -44,7 +45,7 @@ class Divisions:
 
     def _planned(self, left: int) -> tuple[float, Plan] | None:
         orders = [self.sides[0].tour(left).order, self.sides[1].tour(self.everything & ~left).order]
-        return self._valued(Plan.of_contours(orders))
+        return self._valued(balanced(self.instance, self.rules, Plan.of_contours(orders)))
 
     def _valued(self, plan: Plan) -> tuple[float, Plan] | None:
         if check(self.instance, self.rules, plan):

@@ -1,20 +1,35 @@
 """The front door: one call for all exact methods."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
 
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.split import solve_split
-from cutgap.instances import Instance, Plan, Result, Rules
+from cutgap.instances import Instance, Plan, Result, Rules, Status
 from cutgap.instances.progress import Watch, nobody
 
-METHODS: dict[str, Callable[..., Result]] = {"split": solve_split, "free": solve_free}
-"""Exact methods by name; ``auto`` chooses among them."""
+
+def _solve_cpsat(instance: Instance, rules: Rules, **options: Any) -> Result:
+    """Load CP-SAT, which takes a second, when it is asked for."""
+    from cutgap.formulations.cpsat.solving import solve_cpsat
+
+    return solve_cpsat(instance, rules, **options)
+
+
+METHODS: dict[str, Callable[..., Result]] = {
+    "split": solve_split,
+    "free": solve_free,
+    "cpsat": _solve_cpsat,
+}
+"""Exact methods by name; ``auto`` chooses among all but CP-SAT, whose bounds are claims."""
 
 
 def resolve(method: str, rules: Rules) -> str:
     """Return the name of an exact method; ``auto`` takes the threshold search wherever it applies."""
     if method == "auto":
-        return "free" if rules.non_overlap is None or rules.balance is not None else "split"
+        return "free" if rules.non_overlap is None else "split"
     if method not in METHODS:
         raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
     return method
@@ -50,5 +65,19 @@ def solve(
     ValueError
         When the method is unknown or does not apply to the instance.
     """
-    run = METHODS[resolve(method, rules)]
-    return run(instance, rules, time_limit=time_limit, start=start, certify=certify, watch=watch)
+    begun = perf_counter()
+    options = {"certify": certify, "watch": watch}
+    result = METHODS[resolve(method, rules)](instance, rules, time_limit=time_limit, start=start, **options)
+    if method != "auto" or result.method != "split" or result.reason or _is_closed(result):
+        return result
+    if any(head.home is None for head in instance.heads):
+        return result
+    # What the threshold search leaves open, because longer tours would pay, the general model closes.
+    left = None if time_limit is None else max(0.0, time_limit - (perf_counter() - begun))
+    other = METHODS["free"](instance, rules, time_limit=left, start=result.plan, **options)
+    better = other if _is_closed(other) or (other.lower_bound or 0.0) > (result.lower_bound or 0.0) else result
+    return replace(better, seconds=perf_counter() - begun)
+
+
+def _is_closed(result: Result) -> bool:
+    return result.status in (Status.OPTIMAL, Status.INFEASIBLE)

@@ -22,7 +22,10 @@ stops when the best plan meets the least bound. Bounds are valid because
     with free holes the right head counts with its shortest tour without via point;
 (4) for w <= v_jump, (2) does not fall when a tour gets longer: shortest tours are best. For w > v_jump a plan
     can gain by a longer tour, so |T_1 - T_2| is priced at min(w, v_jump) in the bound, which stays valid;
-(5) max(T_1, T_2) >= (T_1 + T_2) / 2.
+(5) max(T_1, T_2) >= (T_1 + T_2) / 2;
+(6) under a hard limit |T_1 - T_2| <= b, what shortest tours differ beyond b is made up by longer tours, which
+    costs v_jump for each second in (2). This bound stays valid, but may be below the optimum, and the tours
+    that meet the limit are found by detours (``lengthening``); ``free`` closes what is left.
 
 Source: proof of (3) and (4) in ``docs/two-heads.md``; the problem is that of Wang et al. (2025).
 """
@@ -37,6 +40,7 @@ from typing import Any
 import numpy as np
 
 from cutgap.formulations.certify import SCALE, Certificate, certificate_of, side_proof
+from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude, evaluate
@@ -94,8 +98,6 @@ def require_scope(instance: Instance, rules: Rules) -> None:
     require_two_heads(instance, rules, "split")
     if rules.non_overlap is None:
         raise ValueError(f"instance {instance.name!r}, method split: needs a non-overlap limit")
-    if rules.balance is not None:
-        raise ValueError(f"instance {instance.name!r}, method split: does not take a balance limit")
 
 
 def obeys_triangle_inequality(instance: Instance) -> bool:
@@ -125,7 +127,7 @@ class SplitSearch:
         self.numbers = 0
         self.best: Plan | None = None
         self.value = np.inf
-        self.closed_bound = np.inf  # of cells that cannot be tightened further (w > v_jump)
+        self.closed_bound = np.inf  # of cells that cannot be tightened further (balance, w > v_jump)
 
     def run(self, start: Plan | None) -> Result:
         """Search until the least bound meets the best plan."""
@@ -250,8 +252,9 @@ class SplitSearch:
         t_1, t_2 = (length / speed + s for length, s in zip(lengths, services_s, strict=True))
         if self.rules.objective == "makespan":
             return max(t_1, t_2, (t_1 + t_2 + floating_s) / 2)
-        price = min(self.rules.weight, speed)
-        return sum(lengths) + price * max(0.0, abs(t_1 - t_2) - floating_s)
+        apart = max(0.0, abs(t_1 - t_2) - floating_s)
+        kept = apart if self.rules.balance is None else min(apart, self.rules.balance)
+        return sum(lengths) + min(self.rules.weight, speed) * kept + speed * (apart - kept)
 
     def _cutoff(self, cell: Cell, head: int) -> float:
         """Return the tour length of a head from which on the cell cannot beat the best plan.
@@ -293,7 +296,7 @@ class SplitSearch:
         """Offer the plan of a cell's best tours."""
         pair = self._pair(cell.left, cell.right)
         if all(np.isfinite(side.upper) for side in pair):
-            plan = Plan.of_contours([side.order for side in pair])
+            plan = balanced(self.instance, self.rules, Plan.of_contours([side.order for side in pair]))
             if evaluate(self.instance, plan).objective(self.rules) < self.value:
                 self._offer(plan)
 

@@ -313,7 +313,7 @@ def shortest_tour(
     search = BranchAndCut(
         TourModel(lengths, via, start[1]),
         incumbent=start,
-        cutoff=cutoff + tolerance,  # so that a complete search proves the cutoff itself
+        cutoff=cutoff + 2.0 * tolerance,  # so that a complete search proves the cutoff, rounding included
         tolerance=tolerance,
         deadline=deadline,
         watch=watch,
