@@ -4,8 +4,11 @@ from cutgap.instances import Instance, Rules
 from cutgap.instances.check import require_coordinates
 
 
-def require_two_heads(instance: Instance, rules: Rules, method: str) -> None:
-    """Raise ``ValueError``, saying why, when a method for two heads and single entry points does not apply."""
+def require_two_heads(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
+    """Raise ``ValueError``, saying why, when a method for two heads and single entry points does not apply.
+
+    ``asymmetric`` says that the method takes rapid lengths that differ by direction.
+    """
     name = f"instance {instance.name!r}, method {method}"
     require_coordinates(instance, rules)
     if len(instance.heads) != 2:
@@ -15,5 +18,5 @@ def require_two_heads(instance: Instance, rules: Rules, method: str) -> None:
     several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
     if several is not None:
         raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
-    if instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
+    if not asymmetric and instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
         raise ValueError(f"{name}: needs symmetric rapid lengths")
