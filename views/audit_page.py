@@ -181,7 +181,9 @@ def audit_figure(rows: Sequence[AuditRow]) -> Figure:
     axes.fill_between(
         sizes, [r.p05 for r in bands], [r.p95 for r in bands], color=UNCUT, alpha=0.25, linewidth=0
     )
-    axes.plot(sizes, [r.p50 for r in bands], color=UNCUT, linewidth=1.2, label="optima of random parts")
+    axes.plot(
+        sizes, [r.p50 for r in bands], color=UNCUT, linewidth=1.2, marker=".", label="optima of random parts"
+    )
     for index, method in enumerate(dict.fromkeys(row.method for row in rows)):
         _draw_method(axes, [row for row in rows if row.method == method], index)
     axes.set(xlabel="holes", ylabel=f"{rows[0].figure} [{UNITS[rows[0].figure]}]")
