@@ -34,7 +34,7 @@ import heapq
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,7 @@ from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude, evaluate
+from cutgap.instances.arrays import difference
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
 
@@ -160,7 +161,7 @@ class SplitSearch:
         left, last_x = 0, None
         for x, group in groupby(order, key=lambda contour: float(xs[contour])):
             holes = tuple(group)
-            if last_x is None or x - last_x >= self.least_gap:
+            if last_x is None or difference(last_x, x) >= self.least_gap:
                 yield left, everything & ~left, ()
             members = sum(1 << hole for hole in holes)
             if self.least_gap == 0 and len(holes) > 1:
@@ -382,7 +383,7 @@ class SplitSearch:
 
     def _why_infeasible(self) -> str:
         xs = np.sort(self.instance.points[: len(self.instance.contours), 0])
-        widest = float(np.diff(xs).max()) if len(xs) > 1 else 0.0
+        widest = max((difference(a, b) for a, b in pairwise(xs.tolist())), default=0.0)
         return (
             f"no threshold in x leaves a partition gap of {self.least_gap:g} mm with work for both heads; "
             f"the widest gap between neighbouring contours is {widest:g} mm"

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from cutgap.instances import Instance, Plan, Rules
-from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.arrays import Floats, Ints, difference
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def allowed_splits(instance: Instance, rules: Rules, order: Ints) -> list[int]:
     xs = contour_xs(instance)[order]
     n = len(order)
     least = -np.inf if rules.non_overlap is None else rules.non_overlap
-    inner = [k for k in range(1, n) if xs[k] - xs[k - 1] >= least]
+    inner = [k for k in range(1, n) if difference(xs[k - 1], xs[k]) >= least]
     splits = sorted({0, *inner, n}) if rules.empty_heads or n < 2 else inner
     return splits or list(range(n + 1))
 
@@ -112,7 +112,7 @@ def score(instance: Instance, rules: Rules, sides: Sequence[SideTour]) -> Score:
         xs = contour_xs(instance)
         ranges = [xs[list(side.contours)] for side in sides if side.contours]
         for left, right in pairwise(ranges):
-            excess += max(0.0, rules.non_overlap - float(right.min() - left.max()))
+            excess += max(0.0, rules.non_overlap - difference(left.max(), right.min()))
     if rules.objective == "makespan":
         return excess, max(times)
     return excess, sum(side.travel_mm for side in sides) + rules.weight * imbalance

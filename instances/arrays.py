@@ -1,6 +1,7 @@
 """Read-only arrays and the checks that every class of the problem shares."""
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,14 @@ def frozen_array(values: Any, name: str, columns: int | None = None) -> Floats:
         raise ValueError(f"{name}: expected finite numbers, got {bad}")
     array.setflags(write=False)
     return array
+
+
+def difference(smaller: float, larger: float) -> float:
+    """Return ``larger - smaller`` as their decimal texts mean it: 0.3 - 0.1 is 0.2, not 0.19999999999999998.
+
+    Limits on gaps are compared with it, since coordinates are given as decimals.
+    """
+    return float(Fraction(repr(float(larger))) - Fraction(repr(float(smaller))))
 
 
 def finite_number(

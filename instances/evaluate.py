@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cutgap.instances.arrays import Floats
+from cutgap.instances.arrays import Floats, difference
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan, Visit
 from cutgap.instances.rules import Rules
@@ -115,4 +115,4 @@ def partition_gap(instance: Instance, plan: Plan) -> float | None:
     if not instance.located:
         return None
     xs = [[float(instance.points[instance.node(*visit), 0]) for visit in tour] for tour in plan.tours if tour]
-    return min((min(right) - max(left) for left, right in pairwise(xs)), default=None)
+    return min((difference(max(left), min(right)) for left, right in pairwise(xs)), default=None)

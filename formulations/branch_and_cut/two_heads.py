@@ -41,7 +41,7 @@ from cutgap.formulations.branch_and_cut.separation import (
 )
 from cutgap.formulations.branch_and_cut.tour import INTEGRALITY
 from cutgap.instances import Instance, Plan, Rules
-from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.arrays import Floats, Ints, difference
 
 Rounding = Callable[[Floats, Plan | None], tuple[float, Plan] | None]
 """Turns the values of z, and a plan if the point is one, into an allowed plan with its value in mm."""
@@ -158,7 +158,7 @@ class TwoHeadsModel(Model):
             for left in group:
                 for right in groups[index + 1]:
                     yield Row(("order", left, right), 0.0), [left, right], [1.0, -1.0]
-            if values[index + 1] - values[index] < gap:
+            if difference(values[index], values[index + 1]) < gap:
                 left, right = group[0], groups[index + 1][0]
                 yield Row(("order", right, left), 0.0), [right, left], [1.0, -1.0]
 
@@ -196,6 +196,17 @@ class TwoHeadsModel(Model):
 
     def solve(self, iteration_limit: int | None = None) -> None:
         self.solution = self.lp.solve(iteration_limit)
+
+    def multipliers(self) -> Floats:
+        """Return the row duals; in a ray nothing balances the column of m or d, so its rows count for nothing.
+
+        What rounding leaves there would be scaled up with the ray, and spoil its proof.
+        """
+        duals = super().multipliers()
+        if self.solution.infeasible:
+            kinds = [row.name[0] if isinstance(row.name, tuple) else "" for row in self.rows]
+            duals[[kind in ("makespan", "imbalance") for kind in kinds]] = 0.0
+        return duals
 
     def column_terms(self) -> float:
         costs = self.solution.reduced_costs

@@ -43,7 +43,7 @@ import numpy as np
 from ortools.sat.python import cp_model
 
 from cutgap.instances import Instance, Rules
-from cutgap.instances.arrays import Floats
+from cutgap.instances.arrays import Floats, difference
 from cutgap.instances.check import TOLERANCE
 
 LARGEST = 10**12
@@ -194,7 +194,7 @@ class TwoHeads:
             return
         for i, left in enumerate(xs):
             for j, right in enumerate(xs):
-                if i != j and left - right < gap:
+                if i != j and difference(right, left) < gap:
                     self.model.add_implication(self.z[j], self.z[i])
 
     def _via_points(self) -> None:

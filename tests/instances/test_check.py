@@ -233,3 +233,12 @@ def test_agrees_with_the_oracle(seed, holes, non_overlap, balance):
     }
     found = {violation.constraint for violation in check(drawn, rules, plan)}
     assert found == {name for name, broken in expected.items() if broken}
+
+
+def test_a_gap_is_compared_as_decimals():
+    """0.3 - 0.1 is below 0.2 in binary floating point, yet the gap is 0.2 mm."""
+    contours = (Contour("a", [[0.1, 0, 0]], 1.0), Contour("b", [[0.3, 0, 0]], 1.0))
+    part = Instance("decimal", contours, (Head("left", [0, 0, 0]), Head("right", [1, 0, 0])))
+    plan = Plan.of_contours([[0], [1]])
+    assert check(part, Rules(non_overlap=0.2), plan) == []
+    assert len(check(part, Rules(non_overlap=0.2000001), plan)) == 1

@@ -99,7 +99,7 @@ def figures(problem: Problem, tours: tuple[Tour, ...]) -> Figures:
         time.append(length / problem.v_jump + problem.work([contour for contour, _ in tour]))
         ranges.append([problem.entries[contour][entry][0] for contour, entry in tour])
     working = [xs for xs in ranges if xs]
-    gaps = [Fraction(min(right)) - Fraction(max(left)) for left, right in pairwise(working)]
+    gaps = [Fraction(repr(min(right))) - Fraction(repr(max(left))) for left, right in pairwise(working)]
     return Figures(tuple(travel), tuple(time), float(min(gaps)) if gaps else None)
 
 
