@@ -58,7 +58,8 @@ def solve_free(
     if homeless is not None:
         raise ValueError(f"instance {instance.name!r}, method free: head {homeless!r} needs a home")
     if not instance.contours:
-        return conclude(instance, rules, Plan(((), ())), method="free", seconds=0.0, lower_bound=0.0)
+        result = conclude(instance, rules, Plan(((), ())), method="free", seconds=0.0, lower_bound=0.0)
+        return replace(result, certificate=_trivial(instance, rules)) if certify else result
     via = rules.via_points
     sides = (
         Sides(instance, 0, via_points=via, inherits=False),
@@ -76,7 +77,7 @@ def solve_free(
     search = BranchAndCut(
         TwoHeadsModel(instance, rules, divisions.around),
         incumbent=incumbent,
-        tolerance=OPTIMALITY_TOLERANCE / 2 * (1.0 if incumbent is None else max(1.0, incumbent[0])),
+        tolerance=OPTIMALITY_TOLERANCE / 2,
         deadline=np.inf if time_limit is None else started + time_limit,
         watch=report,
     )
@@ -117,6 +118,12 @@ def _certificate(instance: Instance, rules: Rules, outcome: Outcome, result: Res
         return bound, {"kind": "two-heads", "rows": rows.names, "nodes": nodes}
 
     return certificate_of(instance, rules, result.plan, MULTIPLIER_SCALE, claim)
+
+
+def _trivial(instance: Instance, rules: Rules) -> Certificate | None:
+    """Return the certificate of a part without holes: nothing costs less than 0."""
+    proof = {"kind": "two-heads", "rows": [], "nodes": [{"leaf": []}]}
+    return certificate_of(instance, rules, Plan(((), ())), MULTIPLIER_SCALE, lambda _: (0, proof))
 
 
 def edge_name(edge: int, holes: int) -> list[Any]:

@@ -68,7 +68,8 @@ class BranchAndCut:
     cutoff
         Solutions of this value or more are of no interest.
     tolerance
-        A node is dropped when its bound is this near to the incumbent or the cutoff.
+        A node is dropped when its bound is this near, relative to the larger of 1 and their size, to the
+        incumbent or the cutoff.
     deadline
         ``time.perf_counter()`` at which to stop.
     """
@@ -101,7 +102,8 @@ class BranchAndCut:
     def limit(self) -> float:
         """The bound at which a node is dropped."""
         value = np.inf if self.incumbent is None else self.incumbent[0]
-        return min(value, self.cutoff) - self.tolerance
+        target = min(value, self.cutoff)
+        return target - self.tolerance * max(1.0, abs(target)) if np.isfinite(target) else target
 
     @property
     def lower_bound(self) -> float:

@@ -314,7 +314,7 @@ def shortest_tour(
         TourModel(lengths, via, start[1]),
         incumbent=start,
         cutoff=cutoff + 2.0 * tolerance,  # so that a complete search proves the cutoff, rounding included
-        tolerance=tolerance,
+        tolerance=TOLERANCE,
         deadline=deadline,
         watch=watch,
     )
