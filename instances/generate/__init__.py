@@ -20,17 +20,29 @@ from cutgap.instances.generate.random_parts import (
     random_part,
     tied_part,
 )
+from cutgap.instances.generate.structured_parts import (
+    bolt_circles_part,
+    clusters_part,
+    columns_part,
+    grid_part,
+    staggered_grid_part,
+)
 from cutgap.instances.instance import Instance
 
 __all__ = [
     "KINDS",
     "b_pillars",
+    "bolt_circles_part",
+    "clusters_part",
     "coincident_part",
     "collinear_part",
+    "columns_part",
     "door_panel",
     "generate",
+    "grid_part",
     "one_column_part",
     "random_part",
+    "staggered_grid_part",
     "tied_part",
 ]
 
@@ -54,6 +66,11 @@ KINDS: dict[str, Kind] = {
     "ties": Kind("columns of equal x", tied_part, 12),
     "coincident": Kind("half of the holes on top of others", coincident_part, 12),
     "collinear": Kind("all holes on one slanted line", collinear_part, 12),
+    "grid": Kind("square grid of equal holes", grid_part, 64),
+    "staggered-grid": Kind("grid of equilateral triangles", staggered_grid_part, 64),
+    "bolt-circles": Kind("3 x 2 equal bolt circles", bolt_circles_part, 72),
+    "clusters": Kind("scattered around four centres", clusters_part, 60),
+    "columns": Kind("eight holes in each column of equal x", columns_part, 64),
     "one-column": Kind("all holes of equal x", one_column_part, 12),
 }
 """The kinds of parts by name."""

@@ -12,12 +12,17 @@ from cutgap.instances.formats.json_format import format_instance
 from cutgap.instances.generate import (
     KINDS,
     b_pillars,
+    bolt_circles_part,
+    clusters_part,
     coincident_part,
     collinear_part,
+    columns_part,
     door_panel,
     generate,
+    grid_part,
     one_column_part,
     random_part,
+    staggered_grid_part,
     tied_part,
 )
 
@@ -62,6 +67,45 @@ def test_special_parts_are_special(holes, seed):
     on_line = xyz(collinear_part(holes, rng))
     assert (np.cross(on_line[1:] - on_line[0], on_line[1] - on_line[0]) == 0).all()
     assert len(set(on_line[:, 0])) == holes
+
+
+STRUCTURED = (grid_part, staggered_grid_part, bolt_circles_part, clusters_part, columns_part)
+
+
+@pytest.mark.parametrize("make", STRUCTURED)
+@given(holes=st.integers(0, 300), seed=SEEDS)
+def test_structured_parts_stay_in_the_ranges(make, holes, seed):
+    points = xyz(make(holes, np.random.default_rng(seed)))
+    low, high = np.array([(300, 2400), (500, 1500), (100, 300)]).T
+    assert points.shape == (holes, 3)
+    assert ((low <= points) & (points <= high)).all()
+
+
+def nearest(points: np.ndarray) -> np.ndarray:
+    """Distances to the nearest other point, mm."""
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    return np.min(apart + np.diag(np.full(len(points), np.inf)), axis=1)
+
+
+@given(seed=SEEDS)
+def test_structured_parts_have_their_structure(seed):
+    rng = np.random.default_rng(seed)
+    for make in (grid_part, staggered_grid_part, bolt_circles_part):
+        part = make(72, rng)
+        # Within the rounding of coordinates each hole has a neighbour at the same distance.
+        assert np.ptp(nearest(xyz(part))) < 0.01
+        assert len(set(part.perimeters)) == 1
+    square, staggered = xyz(grid_part(64, rng)), xyz(staggered_grid_part(64, rng))
+    assert [len(set(square[:, axis])) for axis in (0, 1)] == [8, 8]
+    assert len(set(staggered[:, 0])) > 8
+    assert len(set(staggered[:, 1])) == 8
+    circles = xyz(bolt_circles_part(72, rng)).reshape(6, 12, 3)
+    centres = circles.mean(axis=1, keepdims=True)
+    assert np.ptp(np.linalg.norm(circles - centres, axis=2)) < 0.01
+    assert nearest(centres[:, 0]) == pytest.approx(400.0, abs=0.01)
+    assert set(Counter(xyz(columns_part(64, rng))[:, 0]).values()) == {8}
+    groups = xyz(clusters_part(60, rng)).reshape(15, 4, 3)
+    assert np.linalg.norm(np.ptp(groups.mean(axis=0), axis=0)[:2]) > 500.0
 
 
 @given(seed=SEEDS)
