@@ -21,6 +21,7 @@ COMMANDS = {
     "gaps": ("cutgap.views.gaps:app", "Compare methods with proved optima or bounds over a suite."),
     "solve": ("cutgap.views.solving:solve", "Plan one instance and say how far the plan is from the optimum."),
     "check": ("cutgap.views.checking:check", "Check a plan against every rule."),
+    "pareto": ("cutgap.views.fronts:pareto", "Show how much travel each limit on imbalance costs."),
     "verify": ("cutgap.views.verifying:verify", "Prove a bound again in exact arithmetic, without any solver."),
     "generate": ("cutgap.views.files:generate", "Draw a random instance of a reference experiment."),
     "convert": ("cutgap.views.files:convert", "Write an instance in another format."),

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
-from cutgap.instances import Instance, Plan, Visit
+from cutgap.instances import Instance, Plan, Result, Visit
 from cutgap.instances.arrays import Floats
 from cutgap.instances.evaluate import require_known
 from cutgap.instances.simulate import tour_nodes
@@ -230,4 +230,39 @@ def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
     axes.grid(axis="x", color=UNCUT, alpha=0.25, linewidth=0.7)
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)
+    return figure
+
+
+def front_figure(name: str, results: Sequence[Result]) -> Figure:
+    """Draw travel against imbalance: plans as dots, proved bounds as ticks at the limits they hold for."""
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    shown = sorted(
+        (result for result in results if result.evaluation is not None),
+        key=lambda result: np.inf if result.rules.balance is None else result.rules.balance,
+    )
+    imbalances = [result.evaluation.imbalance_s for result in shown if result.evaluation is not None]
+    travel = [result.evaluation.total_travel_mm for result in shown if result.evaluation is not None]
+    axes.step(imbalances, travel, where="pre", color=HEAD_COLOURS[0], alpha=0.4, linewidth=1.2, zorder=2)
+    axes.scatter(imbalances, travel, s=26, color=HEAD_COLOURS[0], zorder=3, label="plan")
+    known = [
+        (x if result.rules.balance is None else result.rules.balance, result.lower_bound)
+        for x, result in zip(imbalances, shown, strict=True)
+        if result.lower_bound is not None
+    ]
+    axes.scatter(
+        [x for x, _ in known],
+        [bound for _, bound in known],
+        marker="_",
+        s=160,
+        color=HEAD_COLOURS[1],
+        zorder=4,
+        label="proved bound",
+    )
+    axes.set_xlabel("imbalance [s]")
+    axes.set_ylabel("travel [mm]")
+    axes.set_title(f"{name}: least travel under a limit on imbalance", fontsize=10)
+    axes.grid(color=UNCUT, alpha=0.25, linewidth=0.7)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False)
     return figure
