@@ -2,6 +2,9 @@
 
 import multiprocessing
 import os
+import signal
+import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -32,7 +35,7 @@ def process_executor(jobs: int) -> Iterator[Executor]:
     before = set(multiprocessing.active_children())
     context = multiprocessing.get_context("spawn")  # forked children would inherit locks of other threads
     with _single_threaded_children():
-        executor = ProcessPoolExecutor(jobs, mp_context=context, initializer=_ignore_interrupts)
+        executor = ProcessPoolExecutor(jobs, mp_context=context, initializer=_start_worker)
         try:
             yield executor
         except BaseException:
@@ -64,11 +67,17 @@ def dask_executor(address: str) -> Iterator[Executor]:
         yield client.get_executor()
 
 
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C, which the terminal sends to every process, to the parent."""
-    import signal
-
+def _start_worker() -> None:
+    """Leave Ctrl-C, which the terminal sends to every process, to the parent; end when the parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = os.getppid()
+
+    def watch_parent() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch_parent, daemon=True).start()
 
 
 @contextmanager
