@@ -84,7 +84,9 @@ def _cards(run: Run, records: Sequence[Record], rows: Sequence[TableRow], summar
     plans = [record for record in records if record.result.plan is not None]
     broken = sum(bool(record.result.violations) for record in plans)
     cards = [(f"{len(proved)} of {len(parts)}", "parts with a proven optimum")]
-    heuristics = [(mean, each) for each in summaries if not is_exact(each.method) and (mean := each.spread[1])]
+    heuristics = [
+        (mean, each) for each in summaries if not is_exact(each.method) and (mean := each.spread[1]) is not None
+    ]
     if heuristics:
         mean, best = min(heuristics, key=lambda pair: pair[0])
         cards.append((f"{percent(mean)} %", f"mean gap of {best.method}, the least of the heuristics"))

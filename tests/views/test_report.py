@@ -1,0 +1,69 @@
+"""The report's headline figures against the records that they summarise."""
+
+import re
+from statistics import fmean
+
+import numpy as np
+import pytest
+from oracles.random_instances import random_instance
+
+from cutgap.benchmark.executors import SerialExecutor
+from cutgap.benchmark.runner import run_tasks
+from cutgap.benchmark.table import gap_table
+from cutgap.benchmark.tasks import Suite, instance_hash, suite_tasks
+from cutgap.instances import Rules
+from cutgap.views.report import DRAWN_PARTS, Run, report_html
+
+METHODS = ("split", "local-search", "k-means")
+
+
+def report(instances, methods=METHODS):
+    """Return the page of a suite and its records."""
+    tasks = suite_tasks(Suite("suite", instances), Rules(), methods, seeds=1)
+    records = list(run_tasks(tasks, SerialExecutor()))
+    run = Run("suite", Rules(), methods, 1, None, len(tasks))
+    by_hash = {instance_hash(instance): instance for instance in instances}
+    return report_html(run, records, gap_table(records), by_hash), records
+
+
+def cards(page):
+    return re.findall(r'<div class="card"><b>(.*?)</b><span>(.*?)</span></div>', page)
+
+
+@pytest.fixture(scope="module")
+def instances():
+    rng = np.random.default_rng(31)
+    return tuple(random_instance(rng, 7, layout="uniform") for _ in range(2))
+
+
+def test_the_best_heuristic_is_named_even_when_it_has_no_gap(instances):
+    page, records = report(instances)
+    optima = {r.instance_hash: r.result.value for r in records if r.result.method == "split"}
+    gaps = {
+        method: fmean(
+            (r.result.value - optima[r.instance_hash]) / r.result.value
+            for r in records
+            if r.result.method == method and not r.result.violations
+        )
+        for method in ("local-search", "k-means")
+    }
+    # The case is the one that is meant: one heuristic without a gap, the other with one.
+    assert gaps["local-search"] < 1e-7 < gaps["k-means"]
+    found = {text: figure for figure, text in cards(page)}
+    assert found["mean gap of local-search, the least of the heuristics"] == "0.000 %"
+    assert found["mean gap of k-means, the largest"] == f"{100 * gaps['k-means']:.3f} %"
+    assert found["parts with a proven optimum"] == "2 of 2"
+
+
+def test_without_a_bound_there_is_no_gap_to_show(instances):
+    page, _ = report(instances, ("k-means",))
+    assert "No gap is known" in page
+    assert not any("mean gap" in text for _, text in cards(page))
+
+
+def test_a_long_suite_draws_its_first_parts_and_says_so():
+    rng = np.random.default_rng(32)
+    many = tuple(random_instance(rng, 2, layout="uniform") for _ in range(DRAWN_PARTS + 1))
+    page, _ = report(many, ("split",))
+    assert f"The first {DRAWN_PARTS} of {DRAWN_PARTS + 1} parts are drawn" in page
+    assert page.count('aria-label="plan of') == DRAWN_PARTS
