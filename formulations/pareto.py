@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cutgap.formulations.solve import solve
+from cutgap.formulations.front_door import solve
 from cutgap.instances import Instance, Plan, Result, Rules
 from cutgap.instances.progress import Watch, nobody
 

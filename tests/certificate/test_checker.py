@@ -23,12 +23,3 @@ def test_no_numpy_and_no_solver_are_imported():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_the_front_door_stays_a_function():
-    """Also where the import system would store the module of that name."""
-    code = (
-        "from cutgap.formulations.solve import solve; import cutgap.formulations as f;"
-        "assert f.solve is solve; assert 'split' in f.METHODS"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
