@@ -170,7 +170,7 @@ def side_proof(head: int, side: Side, ids: Sequence[str], margin: float, multipl
     """Return the proof of a tour length of one side: a tree, else a 1-tree; nothing up to 3 nodes."""
     proof: Certificate = {"head": head, "contours": [ids[contour] for contour in side.contours]}
     if side.nodes <= 3:
-        return proof | {"length": _floor(side.upper - margin)}
+        return proof | {"length": _floor(side.own_lower - margin)}
     if side.search is not None:
         length = _floor(side.search.lower_bound - margin)
         return proof | {"length": length} | tour_tree(side.search, side.nodes, multiplier_scale)

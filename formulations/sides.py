@@ -17,8 +17,8 @@ from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
 from cutgap.instances.tours import tour_length
 
-KICKS = 10
-"""Kicks of local search per node for the first tour of a set."""
+SHORT_SEARCH, LONG_SEARCH = 1, 10
+"""Kicks of local search per node: for a set's first tour, and before branch and cut."""
 
 
 @dataclass(slots=True)
@@ -93,17 +93,18 @@ class Sides:
     def tighten(self, members: int, cutoff: float, deadline: float) -> bool:
         """Raise a set's lower bound by the next stronger method; False when the deadline passed first.
 
-        First a local search and the Held-Karp bound, then branch and cut, which need not go beyond the
-        cutoff (mm).
+        First the Held-Karp bound, then branch and cut, which need not go beyond the cutoff (mm) and starts
+        from a longer local search.
         """
         side = self.side(members)
         lengths, via = self.lengths(side.contours), self.via(side.contours)
         complete = True
         if side.one_tree is None:
-            best = self.tour(members).upper
-            side.one_tree = held_karp_bound(lengths, tuple(via.tolist()), target=min(cutoff, best))
+            target = min(cutoff, side.upper)
+            side.one_tree = held_karp_bound(lengths, tuple(via.tolist()), target=target)
             lower = side.one_tree[0]
         else:
+            self._keep(side, *best_tour(lengths, via, lengths, LONG_SEARCH * len(lengths)))
             start = side.upper, self._tour(side)
             outcome = shortest_tour(lengths, via, start=start, cutoff=cutoff, deadline=deadline)
             lower, complete, side.search = outcome.lower_bound, outcome.complete, outcome
@@ -129,11 +130,11 @@ class Sides:
         ]
 
     def tour(self, members: int) -> Side:
-        """Return a set with a tour, by local search if none is known."""
+        """Return a set with a tour, by a short local search if none is known."""
         side = self.side(members)
         if not np.isfinite(side.upper):
             lengths = self.lengths(side.contours)
-            self._keep(side, *best_tour(lengths, self.via(side.contours), lengths, KICKS * len(lengths)))
+            self._keep(side, *best_tour(lengths, self.via(side.contours), lengths, SHORT_SEARCH * len(lengths)))
         return side
 
     def removal_gains(self, order: tuple[int, ...]) -> Floats:

@@ -43,7 +43,7 @@ from cutgap.formulations.certify import SCALE, Certificate, certificate_of, side
 from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
-from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude, evaluate
+from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
 from cutgap.instances.arrays import difference
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
@@ -212,10 +212,8 @@ class SplitSearch:
 
     def _is_loose(self, cell: Cell) -> bool:
         """Whether a cell with free holes deserves a Held-Karp bound before it is divided."""
-        return self.metric and any(
-            members and not sides.side(members).relaxed
-            for sides, members in zip(self._sides(cell.free), (cell.left, cell.right), strict=True)
-        )
+        pair = self._pair(cell.left, cell.right, cell.free)
+        return self.metric and any(not side.relaxed and not side.is_exact for side in pair)
 
     def _loose_head(self, cell: Cell) -> int | None:
         """Return the head whose tour bound to tighten: what was not relaxed yet, then what counts more."""
@@ -294,12 +292,12 @@ class SplitSearch:
             self.best, self.value = plan, result.value
 
     def _offer_tours(self, cell: Cell) -> None:
-        """Offer the plan of a cell's best tours."""
-        pair = self._pair(cell.left, cell.right)
-        if all(np.isfinite(side.upper) for side in pair):
-            plan = balanced(self.instance, self.rules, Plan.of_contours([side.order for side in pair]))
-            if evaluate(self.instance, plan).objective(self.rules) < self.value:
-                self._offer(plan)
+        """Offer the plan of a cell's best tours, if its bound leaves hope."""
+        if self._bound(cell.left, cell.right, ()) >= self._limit():
+            return
+        one, two = self.sides[0].tour(cell.left), self.sides[1].tour(cell.right)
+        if self._objective((one.upper, two.upper), (one.service_s, two.service_s)) < self.value:
+            self._offer(balanced(self.instance, self.rules, Plan.of_contours([one.order, two.order])))
 
     def _offer_any(self) -> None:
         """After an early stop without a plan: tours for the most balanced prefix."""

@@ -42,7 +42,7 @@ NEIGHBOURS = 6
 """Edges to the nearest nodes with which the linear program starts."""
 
 FORCED = 1e7
-"""Bonus, in mm, that makes local search keep the edge from the home to a via node."""
+"""Length, in mm, beyond all others: local search keeps edges this negative, and avoids those this long."""
 
 COMPLETE = 12
 """Once at most this many edges a node are left, all of them get a column and pricing ends."""
@@ -253,28 +253,34 @@ def best_tour(lengths: Floats, via: Ints, guide: Floats, kicks: int = 0) -> tupl
 
     With via nodes, one of them comes second, after node 0.
     """
-    best: tuple[float, Ints] | None = None
-    for node in via if len(via) else [None]:
-        bonus = np.zeros_like(lengths)
-        if node is not None:
-            bonus[0, node] = bonus[node, 0] = -FORCED
-        tour = improve_tour(guide + bonus, nearest_neighbour_tour(guide + bonus), 0, 0)
-        tour = home_first(improve_tour(lengths + bonus, tour, kicks, 0), node)
-        value = tour_length(lengths, tour)
-        if best is None or value < best[0]:
-            best = value, tour
-    assert best is not None
-    return best
-
-
-def home_first(tour: Ints, via: int | None) -> Ints:
-    """Turn a closed tour so that node 0 comes first and, if given, the via node second."""
+    guide, gated = _with_gate(guide, via), _with_gate(lengths, via)
+    tour = improve_tour(guide, nearest_neighbour_tour(guide), 0, 0)
+    tour = improve_tour(gated, tour, kicks, 0)
     tour = np.roll(tour, -int(np.flatnonzero(tour == 0)[0]))
-    if via is not None and tour[1] != via:
-        tour = np.roll(tour[::-1], 1)
-    if via is not None and tour[1] != via:
-        raise AssertionError("local search lost the edge from the home to the via node")
-    return tour
+    gate = len(lengths)
+    if len(gated) > gate:
+        if tour[1] != gate:
+            tour = np.roll(tour[::-1], 1)
+        tour = tour[tour != gate]
+        if tour[1] not in via:
+            raise AssertionError("local search lost the way from the home to a via node")
+    return tour_length(lengths, tour), tour
+
+
+def _with_gate(lengths: Floats, via: Ints) -> Floats:
+    """Return lengths with a last node between node 0 and the via nodes, if there are any.
+
+    The edge from node 0 to the gate is so short that local search keeps it, and the gate is far from all
+    other nodes, so that a via node comes after it; which one is left to the search.
+    """
+    nodes = len(lengths)
+    if len(via) == 0:
+        return lengths
+    gated = np.full((nodes + 1, nodes + 1), FORCED)
+    gated[:nodes, :nodes] = lengths
+    gated[nodes, via] = gated[via, nodes] = lengths[0, via]
+    gated[0, nodes] = gated[nodes, 0] = -FORCED
+    return gated
 
 
 def shortest_tour(
