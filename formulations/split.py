@@ -35,21 +35,17 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
-from typing import Any
 
 import numpy as np
 
-from cutgap.formulations.certify import SCALE, Certificate, certificate_of, side_proof
 from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
-from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
+from cutgap.formulations.split_proof import split_certificate
+from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.arrays import difference
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
-
-MULTIPLIER_SCALE = 2**6
-"""Multipliers of tours are rounded to this part of a length unit, which is small already."""
 
 
 @dataclass(order=True, slots=True)
@@ -91,7 +87,7 @@ def solve_split(
     require_scope(instance, rules)
     search = SplitSearch(instance, rules, time_limit, watch)
     result = search.run(start)
-    return replace(result, certificate=search.certificate(result)) if certify else result
+    return replace(result, certificate=split_certificate(search, result)) if certify else result
 
 
 def require_scope(instance: Instance, rules: Rules) -> None:
@@ -134,7 +130,7 @@ class SplitSearch:
         """Search until the least bound meets the best plan."""
         if start is not None:
             self._offer(start)
-        for left, right, free in self._first_cells():
+        for left, right, free in self.first_cells():
             self._push(left, right, free)
         if not self.heap:
             return self._result(infeasible=True, reason=self._why_infeasible())
@@ -153,7 +149,7 @@ class SplitSearch:
 
     # Cells
 
-    def _first_cells(self) -> Iterator[tuple[int, int, tuple[int, ...]]]:
+    def first_cells(self) -> Iterator[tuple[int, int, tuple[int, ...]]]:
         """Yield prefixes at jumps of x by F or more and, for F = 0, the groups of equal x."""
         xs = self.instance.points[: len(self.instance.contours), 0]
         order = np.argsort(xs, kind="stable").tolist()
@@ -181,13 +177,13 @@ class SplitSearch:
                 return
             self.seen.add((left, right))
         self.numbers += 1
-        heapq.heappush(self.heap, Cell(self._bound(left, right, free), self.numbers, left, right, free))
+        heapq.heappush(self.heap, Cell(self.bound(left, right, free), self.numbers, left, right, free))
 
     def _step(self, cell: Cell) -> bool:
         """Replace the first cell by stronger ones; False when the deadline passed first."""
         if time.perf_counter() > self.deadline:
             return False
-        bound = self._bound(cell.left, cell.right, cell.free)
+        bound = self.bound(cell.left, cell.right, cell.free)
         if bound > cell.bound:
             heapq.heapreplace(self.heap, Cell(bound, cell.number, cell.left, cell.right, cell.free))
             return True
@@ -235,7 +231,7 @@ class SplitSearch:
 
     # Bounds
 
-    def _bound(self, left: int, right: int, free: tuple[int, ...]) -> float:
+    def bound(self, left: int, right: int, free: tuple[int, ...]) -> float:
         """Lower bound on the objective of a cell's plans; without a metric, decided sets say nothing."""
         one, two = self._pair(left, right, free)
         usable = self.metric or not free
@@ -293,7 +289,7 @@ class SplitSearch:
 
     def _offer_tours(self, cell: Cell) -> None:
         """Offer the plan of a cell's best tours, if its bound leaves hope."""
-        if self._bound(cell.left, cell.right, ()) >= self._limit():
+        if self.bound(cell.left, cell.right, ()) >= self._limit():
             return
         one, two = self.sides[0].tour(cell.left), self.sides[1].tour(cell.right)
         if self._objective((one.upper, two.upper), (one.service_s, two.service_s)) < self.value:
@@ -309,53 +305,6 @@ class SplitSearch:
             if not sides.side(members).is_exact:
                 sides.tighten(members, np.inf, np.inf)
         self._offer_tours(cell)
-
-    # Certificate
-
-    def certificate(self, result: Result) -> Certificate | None:
-        """Return a verified certificate of a result of this search."""
-        infeasible = result.status is Status.INFEASIBLE
-        unit = self.instance.machine.v_jump if self.rules.objective == "makespan" else 1.0
-        ids = [contour.id for contour in self.instance.contours]
-
-        def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
-            tours = [
-                side_proof(head, side, ids, margin, MULTIPLIER_SCALE)
-                for head, sides in enumerate(self.sides)
-                for _, side in sides.proved()
-            ]
-            if self.free_right is not self.sides[1]:
-                tours += [
-                    side_proof(1, side, ids, margin, MULTIPLIER_SCALE) | {"via": False}
-                    for _, side in self.free_right.proved()
-                ]
-            bound = None
-            if result.lower_bound is not None:
-                bound = max(0, int(np.floor((result.lower_bound * unit - 3 * margin) * SCALE)))
-            least = -np.inf if result.lower_bound is None else result.lower_bound - margin / unit
-            return bound, {"kind": "split", "tours": tours, "ties": self._tie_trees(least)}
-
-        if not infeasible and result.lower_bound is None:
-            return None
-        return certificate_of(self.instance, self.rules, result.plan, MULTIPLIER_SCALE, claim)
-
-    def _tie_trees(self, least: float) -> list[list[dict[str, Any]]]:
-        """Return for each group of equal x a tree of divisions whose leaves have the bound ``least``."""
-        return [self._tie_tree(left, right, free, least) for left, right, free in self._first_cells() if free]
-
-    def _tie_tree(self, left: int, right: int, free: tuple[int, ...], least: float) -> list[dict[str, Any]]:
-        nodes: list[dict[str, Any]] = []
-        waiting: list[tuple[int, int, tuple[int, ...], dict[str, Any], str]] = [(left, right, free, {}, "")]
-        for one, two, rest, parent, key in waiting:
-            parent[key] = len(nodes)
-            if not rest or (self.metric and self._bound(one, two, rest) >= least):
-                nodes.append({"leaf": True})
-                continue
-            bit = 1 << rest[0]
-            nodes.append({"branch": self.instance.contours[rest[0]].id})
-            waiting.append((one | bit, two, rest[1:], nodes[-1], "left"))
-            waiting.append((one, two | bit, rest[1:], nodes[-1], "right"))
-        return nodes
 
     # Reports
 
