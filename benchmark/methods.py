@@ -87,7 +87,7 @@ def _run_exact(
 ) -> Result:
     """Run an exact method; where the partition is free it starts from a plan of the local search."""
     begun, start = perf_counter(), None
-    if resolve(method, rules) == "free":
+    if resolve(method, instance, rules) == "free":
         with suppress(ValueError):
             start = HEURISTICS["local-search"](instance, rules, rng=np.random.default_rng(seed))
     spent = perf_counter() - begun

@@ -171,7 +171,7 @@ def side_proof(head: int, side: Side, ids: Sequence[str], margin: float, multipl
     proof: Certificate = {"head": head, "contours": [ids[contour] for contour in side.contours]}
     if side.nodes <= 3:
         return proof | {"length": _floor(side.own_lower - margin)}
-    if side.search is not None:
+    if side.search is not None and side.search.lower_bound == side.own_lower:
         length = _floor(side.search.lower_bound - margin)
         return proof | {"length": length} | tour_tree(side.search, side.nodes, multiplier_scale)
     assert side.one_tree is not None

@@ -7,6 +7,7 @@ from typing import Any
 
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.split import solve_split
+from cutgap.formulations.tour import solve_tour
 from cutgap.instances import Instance, Plan, Result, Rules, Status
 from cutgap.instances.progress import Watch, nobody
 
@@ -19,6 +20,7 @@ def _solve_cpsat(instance: Instance, rules: Rules, **options: Any) -> Result:
 
 
 METHODS: dict[str, Callable[..., Result]] = {
+    "tour": solve_tour,
     "split": solve_split,
     "free": solve_free,
     "cpsat": _solve_cpsat,
@@ -26,9 +28,11 @@ METHODS: dict[str, Callable[..., Result]] = {
 """Exact methods by name; ``auto`` chooses among all but CP-SAT, whose bounds are claims."""
 
 
-def resolve(method: str, rules: Rules) -> str:
-    """Return the name of an exact method; ``auto`` takes the threshold search wherever it applies."""
+def resolve(method: str, instance: Instance, rules: Rules) -> str:
+    """Return the name of an exact method; ``auto`` takes the most special one that applies."""
     if method == "auto":
+        if len(instance.heads) == 1:
+            return "tour"
         return "free" if rules.non_overlap is None else "split"
     if method not in METHODS:
         raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
@@ -67,7 +71,9 @@ def solve(
     """
     begun = perf_counter()
     options = {"certify": certify, "watch": watch}
-    result = METHODS[resolve(method, rules)](instance, rules, time_limit=time_limit, start=start, **options)
+    result = METHODS[resolve(method, instance, rules)](
+        instance, rules, time_limit=time_limit, start=start, **options
+    )
     if method != "auto" or result.method != "split" or result.reason or _is_closed(result):
         return result
     if any(head.home is None for head in instance.heads):

@@ -1,4 +1,4 @@
-"""What the two-head methods take, said once."""
+"""What the exact methods take, said once."""
 
 from cutgap.instances import Instance, Rules
 from cutgap.instances.check import require_coordinates
@@ -9,10 +9,16 @@ def require_two_heads(instance: Instance, rules: Rules, method: str, *, asymmetr
 
     ``asymmetric`` says that the method takes rapid lengths that differ by direction.
     """
+    if len(instance.heads) != 2:
+        name = f"instance {instance.name!r}, method {method}"
+        raise ValueError(f"{name}: needs two heads, got {len(instance.heads)}")
+    require_single_entries(instance, rules, method, asymmetric=asymmetric)
+
+
+def require_single_entries(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
+    """Raise ``ValueError``, saying why, when a method for single entry points does not apply."""
     name = f"instance {instance.name!r}, method {method}"
     require_coordinates(instance, rules)
-    if len(instance.heads) != 2:
-        raise ValueError(f"{name}: needs two heads, got {len(instance.heads)}")
     if instance.precedence:
         raise ValueError(f"{name}: does not take precedence pairs")
     several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
