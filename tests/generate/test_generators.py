@@ -127,8 +127,10 @@ def test_the_door_has_columns_around_window_and_pockets(seed):
     instance = door_panel(np.random.default_rng(seed))
     assert len(instance.contours) == 91
     columns = Counter(xyz(instance)[:, 0].tolist())
-    # Lock edge with the upright above it, hinge edge, both sides of the service opening.
-    assert [count for _, count in columns.most_common(4)] == [17, 10, 4, 4]
+    # Lock edge with the upright above it, hinge edge, both sides of the service opening; a hole drawn
+    # elsewhere may happen to lie in line with them.
+    most = [count for _, count in columns.most_common(4)]
+    assert all(count >= least for count, least in zip(most, [17, 10, 4, 4], strict=True))
     assert len(set(map(tuple, xyz(instance).tolist()))) == 91
     # The window: no hole between belt and roof, behind the A-pillar.
     x, y = xyz(instance)[:, 0] - 720, xyz(instance)[:, 1] - 330
