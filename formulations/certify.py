@@ -5,6 +5,7 @@ sees it, with wider margins until it holds.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
@@ -48,14 +49,6 @@ def certificate_of(
         Takes a margin in mm and returns the integer bound and the proof.
     """
     document = format_instance(instance)
-    stated = {
-        "objective": rules.objective,
-        "weight": rules.weight,
-        "non_overlap": rules.non_overlap,
-        "balance": rules.balance,
-        "via_points": rules.via_points,
-        "empty_heads": rules.empty_heads,
-    }
     visits = None
     if plan is not None:
         visits = [[[instance.contours[c].id, e] for c, e in tour] for tour in plan.tours]
@@ -65,7 +58,7 @@ def certificate_of(
             "format": "cutgap-certificate",
             "version": 1,
             "instance": instance_hash(document),
-            "rules": stated,
+            "rules": asdict(rules),
             "scale": SCALE,
             "multiplier_scale": multiplier_scale,
             "bound": bound,

@@ -19,6 +19,8 @@ def require_single_entries(instance: Instance, rules: Rules, method: str, *, asy
     """Raise ``ValueError``, saying why, when a method for single entry points does not apply."""
     name = f"instance {instance.name!r}, method {method}"
     require_coordinates(instance, rules)
+    if rules.process:
+        raise ValueError(f"{name}: does not take the rule {rules.process[0]}")
     if instance.precedence:
         raise ValueError(f"{name}: does not take precedence pairs")
     several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)

@@ -1,29 +1,18 @@
 """Whether a plan is allowed: one violation per broken constraint, from instance, rules and plan alone."""
 
 from collections import Counter
-from dataclasses import dataclass
 
 from cutgap.instances.evaluate import Evaluation, evaluate
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
+from cutgap.instances.process import require_geometry
+from cutgap.instances.process_check import process_violations
 from cutgap.instances.rules import Rules
 from cutgap.instances.simulate import start_times
+from cutgap.instances.violation import Violation
 
 TOLERANCE = 1e-9
 """Relative slack for limits on computed figures (a balance limit in s)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """One broken constraint: its name, where, and by how much (in ``unit``)."""
-
-    constraint: str
-    place: str
-    amount: float
-    unit: str
-
-    def __str__(self) -> str:
-        return f"{self.constraint}: {self.place} ({self.amount:g} {self.unit})"
 
 
 def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
@@ -43,13 +32,20 @@ def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
         *via_points(instance, rules, plan),
         *no_empty_heads(instance, rules, plan),
         *precedence(instance, plan),
+        *process_violations(instance, rules, plan),
     ]
 
 
 def require_coordinates(instance: Instance, rules: Rules) -> None:
-    """Raise ``ValueError`` when the rules speak of x and the points carry no coordinates."""
+    """Raise ``ValueError`` when the rules speak of coordinates or curves that are not there."""
+    if rules.neighbours_only:
+        require_geometry(instance, "neighbours only")
+    if rules.clear_rapids:
+        require_geometry(instance, "clear rapids")
     if instance.located:
         return
+    if rules.backward_price > 0:
+        raise ValueError(f"instance {instance.name!r} has a matrix but no coordinates: backward price needs x")
     if rules.via_points or (rules.non_overlap is not None and len(instance.heads) > 1):
         raise ValueError(
             f"instance {instance.name!r} has a matrix but no coordinates: "

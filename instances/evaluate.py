@@ -4,9 +4,10 @@ r"""The value of a plan, from instance and plan alone; every figure that is repo
     (2) T_a = L_a / v_jump + sum(perimeter) / v_cut + t_aux * count                           [s]
     (3) makespan = max_a T_a,  imbalance = max_a T_a - min_a T_a                              [s]
     (4) F = min over neighbouring heads a < b of  min x in b - max x in a                     [mm]
+    (5) B_a = sum over rapids between contours of max(0, x where it begins - x where it ends)  [mm]
 
-Source: Wang et al. (2025), equations (1), (2) and (9). A head without work has L_a = T_a = 0 and does not
-count in (4).
+Source: Wang et al. (2025), equations (1), (2) and (9); (5) makes a price of the preference (7) of Li et al.
+(2019). A head without work has L_a = T_a = B_a = 0 and does not count in (4).
 """
 
 from dataclasses import dataclass
@@ -38,6 +39,8 @@ class Evaluation:
         at once and cutting on the spot; ``None`` for one head, or where a head's position is not known.
     peak_temperature_c
         Highest start-point temperature; ``None`` without a material.
+    backward_mm
+        B_a of equation (5), per head; 0 where there are no coordinates.
     """
 
     travel_mm: tuple[float, ...]
@@ -45,6 +48,7 @@ class Evaluation:
     partition_gap_mm: float | None
     separation_mm: float | None
     peak_temperature_c: float | None = None
+    backward_mm: tuple[float, ...] = ()
 
     @property
     def total_travel_mm(self) -> float:
@@ -65,7 +69,8 @@ class Evaluation:
         """Return the value of the objective that the rules name, in ``rules.unit``."""
         if rules.objective == "makespan":
             return self.makespan_s
-        return self.total_travel_mm + rules.weight * self.imbalance_s
+        backward = rules.backward_price * sum(self.backward_mm)
+        return self.total_travel_mm + rules.weight * self.imbalance_s + backward
 
 
 def evaluate(instance: Instance, plan: Plan) -> Evaluation:
@@ -88,6 +93,7 @@ def evaluate(instance: Instance, plan: Plan) -> Evaluation:
         time_s=tuple(times),
         partition_gap_mm=partition_gap(instance, plan),
         separation_mm=smallest_separation(instance, plan),
+        backward_mm=tuple(backward(instance, tour) for tour in plan.tours),
     )
 
 
@@ -108,6 +114,12 @@ def leg_lengths(instance: Instance, head: int, tour: tuple[Visit, ...]) -> Float
     """Return the rapid lengths along a tour, mm."""
     nodes = tour_nodes(instance, head, tour)
     return np.array([instance.rapid_length(a, b) for a, b in pairwise(nodes)], dtype=np.float64)
+
+
+def backward(instance: Instance, tour: tuple[Visit, ...]) -> float:
+    """Return B of equation (5), mm."""
+    xs = instance.points[[instance.node(*visit) for visit in tour], 0] if tour else np.zeros(0)
+    return float(np.maximum(0.0, -np.diff(xs)).sum())
 
 
 def partition_gap(instance: Instance, plan: Plan) -> float | None:

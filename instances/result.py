@@ -5,11 +5,12 @@ from enum import StrEnum
 from typing import Any
 
 from cutgap.instances.arrays import finite_number
-from cutgap.instances.check import Violation, check
+from cutgap.instances.check import check
 from cutgap.instances.evaluate import Evaluation, evaluate
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
 from cutgap.instances.rules import Rules
+from cutgap.instances.violation import Violation
 
 OPTIMALITY_TOLERANCE = 1e-9
 """Relative distance of value and bound within which a plan counts as optimal."""

@@ -13,6 +13,8 @@ OBJECTIVES: tuple[Objective, ...] = ("makespan", "travel", "weighted")
 class Rules:
     """Objective and constraints.
 
+    The last four are process rules for parts of several contours; source: Li et al. (2019).
+
     Parameters
     ----------
     objective
@@ -30,6 +32,15 @@ class Rules:
         Each head cuts the leftmost contour of its range first (any of them when several are).
     empty_heads
         Whether a head may stay without work though there are at least as many contours as heads.
+    parts_in_one_go
+        A part, once begun, is finished before a contour of another part is cut by the same head.
+    neighbours_only
+        A head goes from a part only to one of its neighbours (``process.adjacent_parts``).
+    clear_rapids
+        No rapid between contours crosses a contour that is cut already (``process.crossings``).
+    backward_price
+        Price, in mm of travel, of one mm of x by which a rapid between contours goes back; for ``travel``
+        and ``weighted`` only.
     """
 
     objective: Objective = "makespan"
@@ -38,6 +49,10 @@ class Rules:
     balance: float | None = None
     via_points: bool = False
     empty_heads: bool = False
+    parts_in_one_go: bool = False
+    neighbours_only: bool = False
+    clear_rapids: bool = False
+    backward_price: float = 0.0
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:
@@ -47,10 +62,27 @@ class Rules:
         object.__setattr__(self, "weight", finite_number(self.weight, "rules, weight", least=0.0))
         if self.weight > 0 and self.objective != "weighted":
             raise ValueError(f"rules, weight: goes with the objective weighted, not {self.objective}")
+        price = finite_number(self.backward_price, "rules, backward_price", least=0.0)
+        object.__setattr__(self, "backward_price", price)
+        if price > 0 and self.objective == "makespan":
+            raise ValueError(
+                "rules, backward_price: goes with the objectives travel and weighted, not makespan"
+            )
         for name in ("non_overlap", "balance"):
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, finite_number(value, f"rules, {name}", least=0.0))
+
+    @property
+    def process(self) -> tuple[str, ...]:
+        """Names of the process rules (Li et al., 2019) that are asked for."""
+        asked = {
+            "parts in one go": self.parts_in_one_go,
+            "neighbours only": self.neighbours_only,
+            "clear rapids": self.clear_rapids,
+            "backward price": self.backward_price > 0,
+        }
+        return tuple(name for name, is_asked in asked.items() if is_asked)
 
     @property
     def unit(self) -> str:

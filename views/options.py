@@ -39,6 +39,14 @@ class RuleOptions:
     """Each head cuts the leftmost contour of its range first."""
     empty_heads: bool = False
     """Let a head stay without work."""
+    parts_in_one_go: bool = False
+    """A part, once begun, is finished before another part."""
+    neighbours_only: bool = False
+    """Go from a part only to one of its neighbours."""
+    clear_rapids: bool = False
+    """No rapid crosses a contour that is cut already."""
+    backward_price: float = 0.0
+    """Price in mm of travel of each mm of x that a rapid goes back."""
 
     def rules(self) -> Rules:
         """Return the rules.
@@ -57,6 +65,10 @@ class RuleOptions:
             balance=self.balance,
             via_points=self.via_points,
             empty_heads=self.empty_heads,
+            parts_in_one_go=self.parts_in_one_go,
+            neighbours_only=self.neighbours_only,
+            clear_rapids=self.clear_rapids,
+            backward_price=self.backward_price,
         )
 
 

@@ -197,7 +197,11 @@ def _digest(content: list[Any]) -> str:
 
 @dataclass(frozen=True)
 class Rules:
-    """What is asked of a plan; fields as in the library's ``Rules``."""
+    """What is asked of a plan; fields as in the library's ``Rules``.
+
+    The last four, the process rules, are optional in a document. They only forbid plans or add to their
+    value, so proofs may leave them out of account.
+    """
 
     objective: str
     weight: Fraction
@@ -205,11 +209,20 @@ class Rules:
     balance: Fraction | None
     via_points: bool
     empty_heads: bool
+    parts_in_one_go: bool
+    neighbours_only: bool
+    clear_rapids: bool
+    backward_price: Fraction
 
 
 def rules_of(value: Any, problem: Problem) -> Rules:
     """Return the rules of a certificate."""
-    table = fields(value, "rules", "objective weight non_overlap balance via_points empty_heads")
+    table = fields(
+        value,
+        "rules",
+        "objective weight non_overlap balance via_points empty_heads",
+        "parts_in_one_go neighbours_only clear_rapids backward_price",
+    )
     limits = {
         name: None if table[name] is None else number(table[name], f"rules.{name}", least=0)
         for name in ("non_overlap", "balance")
@@ -219,6 +232,10 @@ def rules_of(value: Any, problem: Problem) -> Rules:
         weight=number(table["weight"], "rules.weight", least=0),
         via_points=flag(table["via_points"], "rules.via_points"),
         empty_heads=flag(table["empty_heads"], "rules.empty_heads"),
+        parts_in_one_go=flag(table.get("parts_in_one_go", False), "rules.parts_in_one_go"),
+        neighbours_only=flag(table.get("neighbours_only", False), "rules.neighbours_only"),
+        clear_rapids=flag(table.get("clear_rapids", False), "rules.clear_rapids"),
+        backward_price=number(table.get("backward_price", 0), "rules.backward_price", least=0),
         **limits,
     )
     require(rules.objective in ("makespan", "travel", "weighted"), "rules.objective: not known")
