@@ -83,7 +83,8 @@ def crossings(instance: Instance) -> Words:
     places = int(instance.first_node[-1])
     words = (len(instance.contours) + WORD - 1) // WORD
     table: Words = np.zeros((places, places, words), dtype=np.uint64)
-    curves = shapely.linearrings([contour.geometry for contour in instance.contours])
+    # One by one: they differ in length.
+    curves = [shapely.linearrings(contour.geometry) for contour in instance.contours]
     tree = shapely.STRtree(curves)
     for v in range(places - 1):
         others = np.arange(v + 1, places)
