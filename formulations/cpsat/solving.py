@@ -13,10 +13,10 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from cutgap.formulations.cpsat.two_heads import Orders, integers_of
+from cutgap.formulations.cpsat.integers import Tours, integers_of
 from cutgap.formulations.cpsat.worker import MEBIBYTE, Job, Message, search
-from cutgap.formulations.scope import require_two_heads
-from cutgap.instances import Instance, Plan, Result, Rules, check, conclude, evaluate
+from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude, evaluate
+from cutgap.instances.check import require_coordinates
 from cutgap.instances.progress import Progress, Watch, nobody
 
 WORKERS = 8
@@ -24,7 +24,7 @@ GRACE_S = 10.0
 """How long a search that should have ended may take to say its last word."""
 
 POLL_S = 0.1
-BALANCE_BROKEN = "the best plan on integers breaks the balance limit by rounding"
+BROKEN = "the best plan on integers breaks a limit on times by rounding"
 
 
 def solve_cpsat(
@@ -39,7 +39,7 @@ def solve_cpsat(
     memory_mib: int | None = None,
     isolated: bool = True,
 ) -> Result:
-    """Solve the two-head problem under any rules with CP-SAT, on integers.
+    """Solve an instance of one or two heads under any rules with CP-SAT, on integers.
 
     Rapids and work are rounded down, at a scale that the result's reason states, so the bound holds for the
     true problem; plans are valued exactly. The bound, and a claim that no plan exists, are the solver's word.
@@ -63,11 +63,15 @@ def solve_cpsat(
     Raises
     ------
     ValueError
-        When the instance is outside of this method: not two heads, several entry points, precedence.
+        When there are more than two heads, or the rules need coordinates that are not there.
     """
-    require_two_heads(instance, rules, "cpsat", asymmetric=True)
+    require_coordinates(instance, rules)
+    if len(instance.heads) > 2:
+        name = f"instance {instance.name!r}, method cpsat"
+        raise ValueError(f"{name}: needs one or two heads, got {len(instance.heads)}")
     if not instance.contours:
-        return conclude(instance, rules, Plan(((), ())), method="cpsat", seconds=0.0, lower_bound=0.0)
+        nothing = Plan(tuple(() for _ in instance.heads))
+        return conclude(instance, rules, nothing, method="cpsat", seconds=0.0, lower_bound=0.0)
     memory = default_memory_mib() if memory_mib is None else memory_mib
     run = _Run(instance, rules, time_limit, watch, isolated)
     return run.result(start, workers, memory)
@@ -101,13 +105,11 @@ class _Run:
         hint = None
         if start is not None and not check(self.instance, self.rules, start):
             self._offer(start)
-            left, right = (tuple(visit.contour for visit in tour) for tour in start.tours)
-            hint = left, right
+            hint = tuple(tuple(self.instance.node(*visit) for visit in tour) for tour in start.tours)
         job = Job(self.data, self._seconds_left(), workers, memory_mib, hint)
         reason = self._search(job)
         infeasible = self.status == "INFEASIBLE" and self.best is None
-        tight = self.data.limit(tight=True)
-        if reason is None and self.broken is not None and tight is not None and tight >= 0:
+        if reason is None and self.broken is not None and self.data.may_break_by_rounding:
             self._search(replace(job, seconds=self._seconds_left(), tight=True))
         return conclude(
             self.instance,
@@ -125,7 +127,7 @@ class _Run:
         if infeasible:
             return f"{scale} claims that there is no plan"
         if reason is None and self.broken is not None and self.best is None:
-            reason = BALANCE_BROKEN
+            reason = BROKEN
         return scale if reason is None else f"{scale}: {reason}"
 
     def _seconds_left(self) -> float | None:
@@ -165,7 +167,7 @@ class _Run:
     def _receive(self, message: Message) -> None:
         kind, content = message
         if kind == "plan":
-            self._offer_orders(content)
+            self._offer_tours(content)
         elif kind == "bound":
             bound = self._value_of(content)
             self.bound = bound if self.bound is None else max(self.bound, bound)
@@ -179,8 +181,9 @@ class _Run:
             return integer / self.data.scale / self.instance.machine.v_jump
         return integer / self.data.scale / self.data.price[1]
 
-    def _offer_orders(self, orders: Orders) -> None:
-        plan = Plan.of_contours(orders)
+    def _offer_tours(self, tours: Tours) -> None:
+        first, of = self.instance.first_node, self.data.contour_of
+        plan = Plan(tuple(tuple(Visit(of[v], v - int(first[of[v]])) for v in tour) for tour in tours))
         self.broken = plan if check(self.instance, self.rules, plan) else None
         if self.broken is None:
             self._offer(plan)

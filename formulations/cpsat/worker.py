@@ -15,13 +15,14 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from cutgap.formulations.cpsat.two_heads import Integers, Orders, TwoHeads
+from cutgap.formulations.cpsat.entries import EntryModel
+from cutgap.formulations.cpsat.integers import Integers, Tours
 
 STOP_INTERVAL_S = 0.05
 MEBIBYTE = 2**20
 
 Message = tuple[str, Any]
-"""``plan`` and its orders, ``bound`` and its integer, ``done`` and the solver's status."""
+"""``plan`` and its tours, ``bound`` and its integer, ``done`` and the solver's status."""
 
 Send = Callable[[Message], None]
 
@@ -30,31 +31,31 @@ Send = Callable[[Message], None]
 class Job:
     """A search to be done: at most ``seconds`` (``None``: any) with ``workers`` threads.
 
-    ``tight`` takes the balance limit such that no plan breaks the true one; its bound says nothing then.
+    ``tight`` takes limits on times such that no plan breaks the true ones; its bound says nothing then.
     """
 
     data: Integers
     seconds: float | None
     workers: int
     memory_mib: int
-    start: Orders | None = None
+    start: Tours | None = None
     tight: bool = False
 
 
 class _Reporter(cp_model.CpSolverSolutionCallback):
     """Sends each better plan."""
 
-    def __init__(self, built: TwoHeads, send: Send) -> None:
+    def __init__(self, built: EntryModel, send: Send) -> None:
         super().__init__()
         self._built, self._send = built, send
 
     def on_solution_callback(self) -> None:
-        self._send(("plan", self._built.orders(self)))
+        self._send(("plan", self._built.tours(self)))
 
 
 def search(job: Job, send: Send, stop: threading.Event | None = None) -> None:
     """Search, sending plans and bounds as they are found, ``done`` at the end."""
-    built = TwoHeads(job.data, tight=job.tight)
+    built = EntryModel(job.data, tight=job.tight)
     if job.start is not None:
         built.hint(job.start)
     solver = cp_model.CpSolver()
