@@ -5,6 +5,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
+from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.split import solve_split
 from cutgap.formulations.tour import solve_tour
@@ -21,6 +22,7 @@ def _solve_cpsat(instance: Instance, rules: Rules, **options: Any) -> Result:
 
 METHODS: dict[str, Callable[..., Result]] = {
     "tour": solve_tour,
+    "contour-dp": solve_contours,
     "split": solve_split,
     "free": solve_free,
     "cpsat": _solve_cpsat,

@@ -1,0 +1,1 @@
+"""Dynamic programming over contours: one head, entry points to choose from, precedence, process rules."""

@@ -1,0 +1,148 @@
+"""The method ``contour-dp``: one head, any entry points, precedence and process rules, to proven optimality."""
+
+import time
+from collections.abc import Iterable
+
+import numpy as np
+
+from cutgap.formulations.contour_dp.closing import Closing, Incumbent
+from cutgap.formulations.contour_dp.walks import Walks, walk_problems
+from cutgap.instances import Instance, Plan, Result, Rules, Visit, conclude
+from cutgap.instances.arrays import Ints
+from cutgap.instances.check import require_coordinates
+from cutgap.instances.progress import Progress, Watch, nobody
+
+NAME = "contour-dp"
+
+
+def solve_contours(
+    instance: Instance,
+    rules: Rules,
+    *,
+    time_limit: float | None = None,
+    start: Plan | None = None,
+    certify: bool = False,
+    watch: Watch = nobody,
+) -> Result:
+    """Solve an instance with one head by dynamic programming over contours.
+
+    Parameters
+    ----------
+    time_limit
+        Seconds after which the best plan and the bound proved so far are returned; Ctrl-C does the same.
+    start
+        A plan to start from; one that breaks rules is ignored.
+    certify
+        Whether to add a verified certificate of the bound.
+
+    Raises
+    ------
+    ValueError
+        When there are several heads, via points are asked for, or a rule needs curves that are not there.
+    """
+    begun = time.perf_counter()
+    _require_scope(instance, rules)
+    if not instance.contours or (len(instance.contours) == 1 and instance.heads[0].home is None):
+        plan = Plan.of_contours([range(len(instance.contours))])  # a head that stays where it is
+        value = conclude(instance, rules, plan, method=NAME, seconds=0.0).value
+        return conclude(instance, rules, plan, method=NAME, seconds=0.0, lower_bound=value)
+    search = ContourSearch(instance, rules, start, begun, time_limit, watch)
+    complete = search.run()
+    proved = search.bound
+    return conclude(
+        instance,
+        rules,
+        search.plan,
+        method=NAME,
+        seconds=time.perf_counter() - begun,
+        lower_bound=search.objective(proved) if np.isfinite(proved) else None,
+        infeasible=complete and search.plan is None,
+        reason=None if complete else "stopped early",
+    )
+
+
+def _require_scope(instance: Instance, rules: Rules) -> None:
+    name = f"instance {instance.name!r}, method {NAME}"
+    if len(instance.heads) != 1:
+        raise ValueError(f"{name}: needs one head, got {len(instance.heads)}")
+    if rules.via_points:
+        raise ValueError(f"{name}: does not take via points")
+    require_coordinates(instance, rules)
+
+
+class ContourSearch:
+    """All walk problems of an instance, and the best plan over them."""
+
+    def __init__(
+        self,
+        instance: Instance,
+        rules: Rules,
+        start: Plan | None,
+        begun: float,
+        time_limit: float | None,
+        watch: Watch,
+    ) -> None:
+        self.instance, self.rules, self.begun, self.watch = instance, rules, begun, watch
+        self.deadline = np.inf if time_limit is None else begun + time_limit
+        self.service = float(instance.service_times.sum())
+        self.plan, cost = self._start(start)
+        problems = walk_problems(instance, rules)
+        self.incumbent = Incumbent(cost, length_step(problems))
+        self.closings = [Closing(walks, self.incumbent, self.deadline, self._report) for walks in problems]
+
+    def run(self) -> bool:
+        """Close all problems, the one of least bound first; False when the time or the memory ended before."""
+        try:
+            while open_ones := [each for each in self.closings if not each.closed and not each.stuck]:
+                if time.perf_counter() >= self.deadline:
+                    break
+                min(open_ones, key=lambda each: each.bound).advance()
+                self._report()
+        except KeyboardInterrupt:
+            return False
+        return all(each.closed for each in self.closings)
+
+    @property
+    def bound(self) -> float:
+        """No plan costs less, mm."""
+        best = self.incumbent.cost
+        return min((best if each.closed else min(best, each.bound) for each in self.closings), default=np.inf)
+
+    def objective(self, cost: float) -> float:
+        """Return the objective of a plan whose rapids cost so many mm."""
+        if self.rules.objective == "makespan":
+            return cost / self.instance.machine.v_jump + self.service
+        return cost
+
+    def _start(self, start: Plan | None) -> tuple[Plan | None, float]:
+        """Return the given plan and its cost in mm, if it keeps the rules."""
+        if start is not None:
+            result = conclude(self.instance, self.rules, start, method=NAME, seconds=0.0)
+            if result.evaluation is not None and not result.violations:
+                travel = result.evaluation.total_travel_mm
+                return start, travel + self.rules.backward_price * sum(result.evaluation.backward_mm)
+        return None, np.inf
+
+    def _report(self) -> None:
+        """Tell the watch, and turn a better walk into a plan."""
+        if self.incumbent.best is not None:
+            self.plan = plan_of(*self.incumbent.best)
+        value = self.objective(self.incumbent.cost) if self.plan is not None else None
+        bound = self.objective(self.bound) if np.isfinite(self.bound) else None
+        self.watch(Progress(time.perf_counter() - self.begun, value, bound))
+
+
+def plan_of(walks: Walks, walk: Ints) -> Plan:
+    """Return the plan of a walk."""
+    visits: list[Visit] = [*walks.prefix, *(walks.visits[point] for point in walk)]
+    return Plan((tuple(visits),))
+
+
+def length_step(problems: Iterable[Walks]) -> float:
+    """Return 1 when all costs are whole numbers, so that plans differ by at least 1 mm, else 0."""
+    for walks in problems:
+        for costs in (walks.costs, walks.start, walks.end):
+            finite = costs[np.isfinite(costs)]
+            if (finite != np.round(finite)).any():
+                return 0.0
+    return 1.0
