@@ -1,7 +1,7 @@
 """Certificates: proofs of bounds that are checked in exact arithmetic, without a solver and without numpy."""
 
 from cutgap.formulations.certificate.checker import Verdict, verify
-from cutgap.formulations.certificate.problem import Problem, Rules, instance_hash, problem_of, rules_of
+from cutgap.formulations.certificate.problem import Problem, instance_hash, problem_of
 from cutgap.formulations.certificate.proof import one_tree_value
 from cutgap.formulations.certificate.reading import Refused
 from cutgap.formulations.certificate.relaxation import (
@@ -11,6 +11,7 @@ from cutgap.formulations.certificate.relaxation import (
     TourRelaxation,
     leaf_value,
 )
+from cutgap.formulations.certificate.rules import Rules, rules_of
 from cutgap.formulations.certificate.tours import tour_relaxation
 from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
 

@@ -1,7 +1,7 @@
 """Verification of a certificate: which problem, which claim, and whether the proof and the plan hold.
 
     {"format": "cutgap-certificate", "version": 1, "instance": hash, "rules": {...}, "scale": s,
-     "multiplier_scale": K, "bound": B, "plan": null | [[[id, 0], ...] per head], "proof": {"kind": ...}}
+     "multiplier_scale": K, "bound": B, "plan": null | [[[id, entry], ...] per head], "proof": {"kind": ...}}
 
 The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from cutgap.formulations.certificate.plan import plan_value
-from cutgap.formulations.certificate.problem import Problem, Rules, problem_of, rules_of
+from cutgap.formulations.certificate.problem import Problem, problem_of
 from cutgap.formulations.certificate.proof import Budget, check_tree
 from cutgap.formulations.certificate.reading import (
     Refused,
@@ -25,6 +25,7 @@ from cutgap.formulations.certificate.reading import (
     require,
     show,
 )
+from cutgap.formulations.certificate.rules import Rules, rules_of
 from cutgap.formulations.certificate.split import Cells
 from cutgap.formulations.certificate.tours import TourBounds, prove_tour
 from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
@@ -117,6 +118,8 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
     multiplier_scale = integer(table["multiplier_scale"], "multiplier_scale", least=1)
     proof, budget = table["proof"], Budget()
     require(isinstance(proof, dict), "proof: expected an object")
+    if proof.get("kind") in ("tour", "split", "two-heads"):
+        problem.require_plain(proof["kind"])
     if proof.get("kind") == "tour":
         table = fields(proof, "proof", "kind tour")
         _check_tour(problem, rules, table["tour"], (scale, multiplier_scale), bound, budget)

@@ -1,29 +1,36 @@
 """A plan checked and valued exactly: whether the rules allow it, and what it is worth at most.
 
 Lengths are irrational, so they are known between a floor and a ceiling at a fine scale, at which all rational
-lengths are exact.
+lengths are exact. Times are as irrational, so precedence between two heads is refused; so are rules on curves.
 """
 
 from collections import Counter
 from fractions import Fraction
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any
 
-from cutgap.formulations.certificate.problem import Problem, Rules, may_rest
+from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.reading import entries, integer, require, show
+from cutgap.formulations.certificate.rules import Rules, may_rest
 
 FINE = 10**15
 """Lengths of a plan are known to 1 / FINE mm or better."""
 
 Leg = tuple[int, int]
+Visit = tuple[int, int]
+"""A contour and the node of its entry point."""
 
 
 def plan_value(problem: Problem, rules: Rules, value: Any) -> Fraction:
     """Return an upper bound on the objective of an allowed plan, s or mm; refuses plans that break a rule."""
-    tours = _tours(problem, value)
+    on_curves = rules.neighbours_only or rules.clear_rapids
+    require(not on_curves, "plan: neighbours only and clear rapids are not checked here: leave it out")
+    visits = _visits(problem, value)
+    _check_order(problem, rules, visits)
+    tours = [[node for _, node in tour] for tour in visits]
     _check_places(problem, rules, tours)
     legs = [_legs(problem, head, tour) for head, tour in enumerate(tours)]
-    seconds = [sum((problem.seconds[each] for each in tour), Fraction(0)) for tour in tours]
+    seconds = [sum((problem.seconds[contour] for contour, _ in tour), Fraction(0)) for tour in visits]
     travel = [_between(problem, Counter(each))[1] for each in legs]
     if rules.objective == "makespan" and rules.balance is None:
         imbalance = Fraction(0)
@@ -32,22 +39,38 @@ def plan_value(problem: Problem, rules: Rules, value: Any) -> Fraction:
     require(rules.balance is None or imbalance <= rules.balance, "plan: the heads are not balanced")
     if rules.objective == "makespan":
         return max(length / problem.v_jump + work for length, work in zip(travel, seconds, strict=True))
-    return sum(travel, Fraction(0)) + rules.weight * imbalance
+    backward = rules.backward_price * _backward(problem, tours)
+    return sum(travel, Fraction(0)) + rules.weight * imbalance + backward
 
 
-def _tours(problem: Problem, value: Any) -> list[list[int]]:
+def _visits(problem: Problem, value: Any) -> list[list[Visit]]:
     numbers = {name: number for number, name in enumerate(problem.ids)}
-    tours: list[list[int]] = []
+    tours: list[list[Visit]] = []
     for tour in entries(value, "plan", count=len(problem.homes)):
         tours.append([])
         for visit in entries(tour, "plan, tour"):
             name, entry = entries(visit, "plan, visit", count=2)
             require(isinstance(name, str) and name in numbers, f"plan: no contour {show(name)}")
-            require(integer(entry, "plan, entry") == 0, f"plan: contour {show(name)} has one entry point, 0")
-            tours[-1].append(numbers[name])
-    cut = sorted(each for tour in tours for each in tour)
+            nodes = problem.entries[numbers[name]]
+            known = integer(entry, "plan, entry", least=0) < len(nodes)
+            require(known, f"plan: contour {show(name)} has no entry point {show(entry)}")
+            tours[-1].append((numbers[name], nodes[entry]))
+    cut = sorted(contour for tour in tours for contour, _ in tour)
     require(cut == list(range(len(problem.ids))), "plan: it must cut each contour once")
     return tours
+
+
+def _check_order(problem: Problem, rules: Rules, tours: list[list[Visit]]) -> None:
+    """Check the rules on the order of contours."""
+    turns = {contour: (head, turn) for head, tour in enumerate(tours) for turn, (contour, _) in enumerate(tour)}
+    for before, after in problem.precedence:
+        one_head = turns[before][0] == turns[after][0]
+        require(one_head, "plan: precedence between two heads is not checked here: leave it out")
+        name = problem.ids[after]
+        require(turns[before] < turns[after], f"plan: contour {show(name)} is cut before its precedence allows")
+    for tour in tours if rules.parts_in_one_go else []:
+        begun = [part for part, _ in groupby(problem.parts[contour] for contour, _ in tour)]
+        require(len(set(begun)) == len(begun), "plan: a part is not cut in one go")
 
 
 def _check_places(problem: Problem, rules: Rules, tours: list[list[int]]) -> None:
@@ -64,7 +87,13 @@ def _check_places(problem: Problem, rules: Rules, tours: list[list[int]]) -> Non
 def _legs(problem: Problem, head: int, tour: list[int]) -> list[Leg]:
     home = problem.homes[head]
     stops = [*tour, *tour[:1]] if home is None or not tour else [home, *tour, home]
-    return [(min(u, v), max(u, v)) for u, v in pairwise(stops)]
+    return list(pairwise(stops))
+
+
+def _backward(problem: Problem, tours: list[list[int]]) -> Fraction:
+    """Return by how much rapids between contours go back in x, mm."""
+    steps = (problem.xs[u] - problem.xs[v] for tour in tours for u, v in pairwise(tour))
+    return sum((step for step in steps if step > 0), Fraction(0))
 
 
 def _between(problem: Problem, legs: Counter[Leg]) -> tuple[Fraction, Fraction]:

@@ -6,29 +6,33 @@
     (3) scale * v_jump * T_a = sum of scale * d_uv + sum of w_i >= sum of l_uv + sum of w_i
 
 Coordinates are integers over one common denominator, so a Euclidean l_uv is an integer square root. Nodes are
-numbered as in the library: the contours in order of the file, then the homes of the heads that have one.
+numbered as in the library: the entry points of the contours in order of the file, then the homes of the heads
+that have one. With one entry point a contour, contours and nodes have the same numbers.
 """
 
 import hashlib
 import json
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate
 from math import gcd, isqrt, lcm
 from operator import add
 from typing import Any
 
 from cutgap.formulations.certificate.reading import (
-    Refused,
     entries,
     fields,
     flag,
     number,
     read_document,
     require,
+    show,
     text_of,
 )
 
-MAX_CONTOURS = 10_000
+MAX_NODES = 10_000
+
+Pair = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -39,8 +43,14 @@ class Problem:
     ----------
     homes
         Node of each head's home; ``None`` where its tour is closed.
+    entries
+        Nodes of each contour's entry points.
+    parts
+        Number of each contour's part, in order of appearance; a contour without one is a part of its own.
+    precedence
+        Pairs of contours of which the first is cut before the second.
     xs
-        Place of each contour along x, mm.
+        Place of each entry point along x, mm.
     seconds
         perimeter / v_cut + t_aux of each contour, s.
     denominator, places
@@ -50,6 +60,9 @@ class Problem:
     digest: str
     ids: tuple[str, ...]
     homes: tuple[int | None, ...]
+    entries: tuple[range, ...]
+    parts: tuple[int, ...]
+    precedence: tuple[Pair, ...]
     xs: tuple[Fraction, ...]
     seconds: tuple[Fraction, ...]
     v_jump: Fraction
@@ -98,11 +111,25 @@ class Problem:
         """Whether no detour is shorter than the direct way; coordinates are always metric."""
         if self.metric != "matrix":
             return True
+        columns = list(zip(*self.places, strict=True))
         return all(
-            length <= min(map(add, row, other))
+            length <= min(map(add, row, column))
             for row in self.places
-            for other, length in zip(self.places, row, strict=True)
+            for column, length in zip(columns, row, strict=True)
         )
+
+    def is_symmetric(self) -> bool:
+        """Whether all lengths are the same both ways."""
+        if self.metric != "matrix":
+            return True
+        columns = zip(*self.places, strict=True)
+        return all(row == column for row, column in zip(self.places, columns, strict=True))
+
+    def require_plain(self, kind: str) -> None:
+        """Refuse what proofs of symmetric tours over contours of one entry point each say nothing about."""
+        require(all(len(nodes) == 1 for nodes in self.entries), f"{kind}: takes one entry point a contour")
+        require(not self.precedence, f"{kind}: takes no precedence")
+        require(self.is_symmetric(), f"{kind}: takes symmetric lengths")
 
 
 def instance_hash(document: str | dict[str, Any]) -> str:
@@ -111,7 +138,7 @@ def instance_hash(document: str | dict[str, Any]) -> str:
 
 
 def problem_of(document: str | dict[str, Any]) -> Problem:
-    """Return the exact problem of an instance document; refuses what no proof is known for."""
+    """Return the exact problem of an instance document."""
     table = read_document(document) if isinstance(document, str) else document
     table = fields(
         table, "instance", "format version name machine heads contours", "precedence matrix material located"
@@ -124,8 +151,13 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
     require(metric in ("euclidean", "chebyshev", "matrix"), "machine.metric: not one that proofs are known for")
     contours = [_contour(each, i) for i, each in enumerate(entries(table["contours"], "contours"))]
     heads = [_head(each, i) for i, each in enumerate(entries(table["heads"], "heads"))]
-    _refuse_unknown_proofs(table, contours, heads)
-    points = [point for _, point, _ in contours] + [home for _, home in heads if home is not None]
+    names = [contour[0] for contour in contours]
+    points = [point for contour in contours for point in contour[1]]
+    count = len(points)
+    points += [home for _, home in heads if home is not None]
+    require(len(points) <= MAX_NODES, f"contours: more than {MAX_NODES} points")
+    _check_names(names, [head for head, _ in heads])
+    precedence = _precedence(table.get("precedence", []), names)
     located = flag(table.get("located", True), "located")
     require(located or metric == "matrix", "located: without coordinates the metric must be matrix")
     matrix = _matrix(table.get("matrix"), len(points)) if metric == "matrix" else None
@@ -134,13 +166,16 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
     denominator = lcm(*{value.denominator for row in rows for value in row})
     places = tuple(tuple(int(value * denominator) for value in row) for row in rows)
     has_home = [home is not None for _, home in heads]
-    homes = [len(contours) + sum(has_home[:head]) if has_home[head] else None for head in range(len(heads))]
+    homes = [count + sum(has_home[:head]) if has_home[head] else None for head in range(len(heads))]
     return Problem(
-        digest=_digest([speeds, metric, heads, contours, matrix, located]),
-        ids=tuple(name for name, _, _ in contours),
+        digest=_digest([speeds, metric, heads, contours, precedence, matrix, located]),
+        ids=tuple(names),
         homes=tuple(homes),
-        xs=tuple(point[0] for _, point, _ in contours),
-        seconds=tuple(perimeter / speeds[1] + speeds[2] for _, _, perimeter in contours),
+        entries=_entries([len(contour[1]) for contour in contours]),
+        parts=_parts([contour[3] for contour in contours]),
+        precedence=precedence,
+        xs=tuple(point[0] for point in points[:count]),
+        seconds=tuple(contour[2] / speeds[1] + speeds[2] for contour in contours),
         v_jump=speeds[0],
         metric=metric,
         denominator=denominator,
@@ -149,16 +184,23 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
     )
 
 
-def _contour(value: Any, index: int) -> tuple[str, tuple[Fraction, ...], Fraction]:
+Point = tuple[Fraction, ...]
+
+
+def _contour(value: Any, index: int) -> tuple[str, tuple[Point, ...], Fraction, str | None]:
+    """Return id, entry points, perimeter and part; curves are not looked at, as no proof needs them."""
     where = f"contours[{index}]"
     table = fields(value, where, "id entry_points perimeter", "part ring geometry")
-    points = entries(table["entry_points"], f"{where}.entry_points")
-    require(len(points) == 1, f"{where}: proofs for several entry points are not known")
+    given = entries(table["entry_points"], f"{where}.entry_points")
+    require(given != [], f"{where}.entry_points: expected at least one")
+    points = tuple(_point(each, f"{where}.entry_points[{i}]") for i, each in enumerate(given))
     perimeter = number(table["perimeter"], f"{where}.perimeter", least=0)
-    return text_of(table["id"], f"{where}.id"), _point(points[0], f"{where}.entry_points[0]"), perimeter
+    part = table.get("part")
+    require(part is None or isinstance(part, str), f"{where}.part: expected a text, got {show(part)}")
+    return text_of(table["id"], f"{where}.id"), points, perimeter, part
 
 
-def _head(value: Any, index: int) -> tuple[str, tuple[Fraction, ...] | None]:
+def _head(value: Any, index: int) -> tuple[str, Point | None]:
     table = fields(value, f"heads[{index}]", "id", "home")
     home = table.get("home")
     return text_of(table["id"], f"heads[{index}].id"), None if home is None else _point(
@@ -166,87 +208,49 @@ def _head(value: Any, index: int) -> tuple[str, tuple[Fraction, ...] | None]:
     )
 
 
-def _point(value: Any, where: str) -> tuple[Fraction, ...]:
+def _point(value: Any, where: str) -> Point:
     return tuple(number(each, where) for each in entries(value, where, count=3))
 
 
-def _refuse_unknown_proofs(table: dict[str, Any], contours: list[Any], heads: list[Any]) -> None:
+def _check_names(contours: list[str], heads: list[str]) -> None:
     require(len(heads) in (1, 2), f"heads: proofs are known for one and two, not for {len(heads)}")
-    require(len(contours) <= MAX_CONTOURS, f"contours: more than {MAX_CONTOURS}")
-    require(not table.get("precedence"), "precedence: proofs with precedence are not known")
-    for kind, names in (("contour", [each[0] for each in contours]), ("head", [each[0] for each in heads])):
+    for kind, names in (("contour", contours), ("head", heads)):
         require(len(set(names)) == len(names), f"two of the {kind}s have one id")
+
+
+def _entries(sizes: list[int]) -> tuple[range, ...]:
+    """Return the nodes of contours with so many entry points."""
+    ends = list(accumulate(sizes))
+    return tuple(range(end - size, end) for end, size in zip(ends, sizes, strict=True))
+
+
+def _parts(names: list[str | None]) -> tuple[int, ...]:
+    numbers: dict[str | int, int] = {}
+    keys = [contour if name is None else name for contour, name in enumerate(names)]
+    return tuple(numbers.setdefault(key, len(numbers)) for key in keys)
+
+
+def _precedence(value: Any, names: list[str]) -> tuple[Pair, ...]:
+    """Return the pairs in a fixed order, each once."""
+    numbers = {name: contour for contour, name in enumerate(names)}
+    pairs = set()
+    for index, each in enumerate(entries(value, "precedence")):
+        pair = entries(each, f"precedence[{index}]", count=2)
+        for name in pair:
+            require(isinstance(name, str) and name in numbers, f"precedence: no contour {show(name)}")
+        pairs.add((numbers[pair[0]], numbers[pair[1]]))
+    return tuple(sorted(pairs))
 
 
 def _matrix(value: Any, count: int) -> tuple[tuple[Fraction, ...], ...]:
     """Return the matrix with the diagonal at 0: to stay costs nothing, whatever the file says."""
     rows = [entries(row, f"matrix[{i}]", count) for i, row in enumerate(entries(value, "matrix", count))]
-    exact = tuple(
+    return tuple(
         tuple(Fraction(0) if i == j else number(cell, f"matrix[{i}]", least=0) for j, cell in enumerate(row))
         for i, row in enumerate(rows)
     )
-    if any(row != column for row, column in zip(exact, zip(*exact, strict=True), strict=True)):
-        raise Refused("matrix: proofs for asymmetric lengths are not known")
-    return exact
 
 
 def _digest(content: list[Any]) -> str:
-    text = "cutgap-problem 1 " + json.dumps(content, default=str)
+    text = "cutgap-problem 2 " + json.dumps(content, default=str)
     return hashlib.sha256(text.encode("ascii")).hexdigest()
-
-
-@dataclass(frozen=True)
-class Rules:
-    """What is asked of a plan; fields as in the library's ``Rules``.
-
-    The last four, the process rules, are optional in a document. They only forbid plans or add to their
-    value, so proofs may leave them out of account.
-    """
-
-    objective: str
-    weight: Fraction
-    non_overlap: Fraction | None
-    balance: Fraction | None
-    via_points: bool
-    empty_heads: bool
-    parts_in_one_go: bool
-    neighbours_only: bool
-    clear_rapids: bool
-    backward_price: Fraction
-
-
-def rules_of(value: Any, problem: Problem) -> Rules:
-    """Return the rules of a certificate."""
-    table = fields(
-        value,
-        "rules",
-        "objective weight non_overlap balance via_points empty_heads",
-        "parts_in_one_go neighbours_only clear_rapids backward_price",
-    )
-    limits = {
-        name: None if table[name] is None else number(table[name], f"rules.{name}", least=0)
-        for name in ("non_overlap", "balance")
-    }
-    rules = Rules(
-        objective=text_of(table["objective"], "rules.objective"),
-        weight=number(table["weight"], "rules.weight", least=0),
-        via_points=flag(table["via_points"], "rules.via_points"),
-        empty_heads=flag(table["empty_heads"], "rules.empty_heads"),
-        parts_in_one_go=flag(table.get("parts_in_one_go", False), "rules.parts_in_one_go"),
-        neighbours_only=flag(table.get("neighbours_only", False), "rules.neighbours_only"),
-        clear_rapids=flag(table.get("clear_rapids", False), "rules.clear_rapids"),
-        backward_price=number(table.get("backward_price", 0), "rules.backward_price", least=0),
-        **limits,
-    )
-    require(rules.objective in ("makespan", "travel", "weighted"), "rules.objective: not known")
-    require(
-        rules.weight == 0 or rules.objective == "weighted", "rules.weight: goes with the objective weighted"
-    )
-    speaks_of_x = rules.via_points or (rules.non_overlap is not None and len(problem.homes) > 1)
-    require(problem.located or not speaks_of_x, "rules: they speak of x, and the points carry no coordinates")
-    return rules
-
-
-def may_rest(problem: Problem, rules: Rules) -> bool:
-    """Whether a head may stay without work."""
-    return rules.empty_heads or len(problem.ids) < len(problem.homes)

@@ -23,9 +23,10 @@ from itertools import groupby
 from math import floor
 from typing import Any
 
-from cutgap.formulations.certificate.problem import Problem, Rules, may_rest
+from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certificate.reading import Refused, entries, fields, integer, require, show
+from cutgap.formulations.certificate.rules import Rules, may_rest
 from cutgap.formulations.certificate.tours import TourBounds
 
 

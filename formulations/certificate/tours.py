@@ -18,10 +18,11 @@ use them holds with and without via points.
 from dataclasses import dataclass
 from typing import Any
 
-from cutgap.formulations.certificate.problem import Problem, Rules
+from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.proof import Budget, check_tree, one_tree_value
 from cutgap.formulations.certificate.reading import entries, fields, flag, integer, require, show
 from cutgap.formulations.certificate.relaxation import TourRelaxation
+from cutgap.formulations.certificate.rules import Rules
 
 
 @dataclass(frozen=True)

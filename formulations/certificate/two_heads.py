@@ -6,7 +6,7 @@ from functools import partial
 from math import floor
 from typing import Any
 
-from cutgap.formulations.certificate.problem import Problem, Rules, may_rest
+from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.reading import Refused, entries, require, show
 from cutgap.formulations.certificate.relaxation import (
     MAX_VARIABLES,
@@ -17,6 +17,7 @@ from cutgap.formulations.certificate.relaxation import (
     cut_sets,
     cuts,
 )
+from cutgap.formulations.certificate.rules import Rules, may_rest
 
 
 class TwoHeadsRelaxation(Relaxation):

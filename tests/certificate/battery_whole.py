@@ -159,11 +159,12 @@ def lengths_are_floors(api: Any) -> None:
 
 @battery
 def hashes_tell_problems_apart(api: Any) -> None:
-    document = document_of(symmetric(instance_of(1, 3, "uniform", metric="matrix")))
+    document = document_of(symmetric(instance_of(1, 4, "uniform", metric="matrix")))
+    document["precedence"] = [["c0", "c1"], ["c0", "c3"]]
     digest = api.instance_hash(document)
     assert digest == api.instance_hash(json.dumps(document, sort_keys=True, indent=3))
     turned = {key: document[key] for key in reversed(document)}
-    assert api.instance_hash({**turned, "name": "other", "precedence": [], "located": True}) == digest
+    assert api.instance_hash({**turned, "name": "other", "located": True}) == digest
     assert api.instance_hash(json.dumps(document).replace("100.0", "1e2")) == digest
     for path, value in (
         (["machine", "v_jump"], 7.5),
@@ -174,6 +175,9 @@ def hashes_tell_problems_apart(api: Any) -> None:
         (["contours", 2, "id"], "other"),
         (["contours", 2, "entry_points", 0, 1], 0.125),
         (["contours", 0, "perimeter"], 0.125),
+        (["contours", 2, "part"], "bracket"),
+        (["precedence", 1], ["c1", "c3"]),
+        (["precedence", 1], ["c3", "c0"]),
         (["located"], False),
     ):
         other = copy.deepcopy(document)
@@ -182,6 +186,13 @@ def hashes_tell_problems_apart(api: Any) -> None:
             place = place[step]
         place[path[-1]] = value
         assert api.instance_hash(other) != digest, path
+    for again in ([["c0", "c3"], ["c0", "c1"]], [["c0", "c1"], ["c0", "c3"], ["c0", "c1"]]):
+        assert api.instance_hash({**document, "precedence": again}) == digest
+    assert api.instance_hash({**document, "precedence": []}) != digest
+    plane = {**document, "matrix": None, "machine": document["machine"] | {"metric": "euclidean"}}
+    more = copy.deepcopy(plane)
+    more["contours"][2]["entry_points"].append([1.0, 2.0, 3.0])
+    assert api.instance_hash(more) != api.instance_hash(plane)
     other = copy.deepcopy(document)
     other["matrix"][0][1] = other["matrix"][1][0] = 0.125
     assert api.instance_hash(other) != digest

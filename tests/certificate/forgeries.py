@@ -4,6 +4,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from cutgap.formulations.certificate import instance_hash
+
 Document = dict[str, Any]
 Forge = Callable[[Document, Document], Any]
 
@@ -107,6 +109,12 @@ def fewer_tours(certificate: Document, document: Document) -> None:
 
 def several_entry_points(certificate: Document, document: Document) -> None:
     document["contours"][0]["entry_points"].append([1, 2, 3])
+    certificate["instance"] = instance_hash(document)
+
+
+def precedence(certificate: Document, document: Document) -> None:
+    document["precedence"] = [["c0", "c1"]]
+    certificate["instance"] = instance_hash(document)
 
 
 def same_ids(certificate: Document, document: Document) -> None:
@@ -118,6 +126,7 @@ def asymmetric(certificate: Document, document: Document) -> None:
     document["machine"]["metric"] = "matrix"
     document["matrix"] = [[abs(i - j) for j in range(nodes)] for i in range(nodes)]
     document["matrix"][0][1] = 2
+    certificate["instance"] = instance_hash(document)
 
 
 def tie_root(**changes: Any) -> Forge:
@@ -162,15 +171,27 @@ FORGERIES: list[tuple[str, str, Forge, str]] = [
     ("perimeter", "tour", instance_setting("contours", 0, "perimeter", -1), "perimeter"),
     ("text for a number", "tour", instance_setting("contours", 0, "perimeter", "12"), "number"),
     ("infinite", "tour", instance_setting("contours", 0, "perimeter", float("inf")), "no number"),
-    ("entry points", "tour", several_entry_points, "several entry points"),
+    ("no entry point", "tour", instance_setting("contours", 0, "entry_points", []), "at least one"),
+    ("part", "tour", instance_setting("contours", 0, "part", 7), "part"),
     ("coordinates", "tour", instance_setting("contours", 0, "entry_points", [[1, 2]]), "3 entries"),
     ("equal ids", "tour", same_ids, "one id"),
-    ("precedence", "tour", instance_setting("precedence", [["c0", "c1"]]), "precedence"),
+    ("precedence of nothing", "tour", instance_setting("precedence", [["c0", "c99"]]), "no contour"),
+    ("precedence of three", "tour", instance_setting("precedence", [["c0", "c1", "c2"]]), "2 entries"),
+    ("price of going back", "split", setting("rules", "backward_price", 1), "backward_price"),
     ("heads", "tour", instance_setting("heads", [{"id": str(i)} for i in range(3)]), "one and two"),
-    ("asymmetric", "tour", asymmetric, "asymmetric"),
     ("matrix beside coordinates", "tour", instance_setting("matrix", [[0]]), "matrix"),
     ("nowhere", "tour", instance_setting("located", False), "located"),
     ("format of the instance", "tour", instance_setting("format", "cutgap-plan"), "cutgap-instance"),
+    # What a kind of proof does not cover.
+    *(
+        (f"{what} of {base}", base, forge, f"{base.replace(' ', '-')}: takes {what}")
+        for base in ("tour", "split", "two heads")
+        for what, forge in (
+            ("one entry point", several_entry_points),
+            ("no precedence", precedence),
+            ("symmetric", asymmetric),
+        )
+    ),
     # Trees.
     ("no nodes", "tour", setting("proof", "tour", "nodes", []), "at least one"),
     ("empty leaf", "tour", setting("proof", "tour", "nodes", [{"leaf": []}]), "node 0: .*worth 0"),
@@ -335,6 +356,15 @@ PLANS: list[tuple[str, str, Callable[[Any], Any], Document, str | None]] = [
     ("contour twice", "split", plan("aba", "cde"), {}, "each contour once"),
     ("one tour", "split", plan("abcde"), {}, "2 entries"),
     ("entry point", "split", changed(lambda p: p[0][0].__setitem__(1, 1), "ab", "cde"), {}, "entry point"),
+    (
+        "entry point from the end",
+        "split",
+        changed(lambda p: p[0][0].__setitem__(1, -1), "ab", "cde"),
+        {},
+        "at least",
+    ),
+    ("curves", "split", plan("ab", "edc"), {"neighbours_only": True}, "leave it out"),
+    ("clear rapids", "split", plan("ab", "edc"), {"clear_rapids": True}, "leave it out"),
     ("unknown contour", "split", changed(lambda p: p[0][0].__setitem__(0, "x"), "ab", "cde"), {}, "no contour"),
     ("no visit", "split", changed(lambda p: p[0].__setitem__(0, "c0"), "ab", "cde"), {}, "visit"),
 ]

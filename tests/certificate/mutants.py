@@ -18,6 +18,7 @@ def mutants(file: str, killer: str, *pairs: tuple[str, str]) -> list[Mutant]:
 
 
 STRONG = "the_strongest_split_proof_proves_no_more_than_the_optimum"
+METRIC = "detours_of_a_matrix_are_tried_both_ways"
 REACHED = "the_strongest_split_proof_reaches_the_optimum"
 
 MUTANTS = [
@@ -35,16 +36,20 @@ MUTANTS = [
         "hashes_tell_problems_apart",
         ("_digest([speeds, ", "_digest([speeds[:2], "),
         ("metric, heads, contours", "metric, contours"),
-        ("heads, contours, matrix", "heads, matrix"),
+        ("heads, contours, precedence", "heads, precedence"),
+        ("contours, precedence, matrix", "contours, matrix"),
         ("matrix, located])", "located])"),
+        ("matrix, located])", "matrix])"),
+        ("perimeter, part\n", "perimeter, None\n"),
         ("Fraction(0) if i == j else number", "number"),
     ),
     *mutants(
         "problem.py",
         "forgeries_are_refused",
-        ("len(points) == 1,", "len(points) >= 1,"),
-        ('require(not table.get("precedence")', "require(True"),
-        ("if any(row != column", "if all(row != column"),
+        ("all(len(nodes) == 1 for", "any(len(nodes) == 1 for"),
+        ("require(not self.precedence", "require(True"),
+        ("all(row == column", "any(row == column"),
+        ("require(self.is_symmetric()", "require(True"),
         ("len(set(names)) == len(names)", "len(set(names)) <= len(names)"),
         ("len(heads) in (1, 2)", "len(heads) >= 1"),
         ("speeds[0] > 0", "speeds[0] >= 0"),
@@ -53,8 +58,9 @@ MUTANTS = [
         "problem.py",
         STRONG,
         ('if self.metric != "matrix":\n            return True', "return True"),
-        ("length <= min(map(add, row, other))", "length <= max(map(add, row, other))"),
+        ("length <= min(map(add, row, column))", "length <= max(map(add, row, column))"),
     ),
+    Mutant("problem.py", "columns = list(zip(*self.places, strict=True))", "columns = self.places", METRIC),
     # relaxation.py
     *mutants(
         "relaxation.py",
@@ -271,6 +277,9 @@ MUTANTS = [
         "checker.py",
         "forgeries_are_refused",
         ('table["instance"] == problem.digest', "True"),
+        ('in ("tour", "split", "two-heads")', 'in ("tour", "split")'),
+        ('in ("tour", "split", "two-heads")', 'in ("split", "two-heads")'),
+        ('in ("tour", "split", "two-heads")', 'in ("tour", "two-heads")'),
         ("proved.contours == (1 << len(problem.ids)) - 1", "True"),
         ("worth >= bound", "True"),
         ("bound is not None and worth", "worth"),
@@ -300,7 +309,9 @@ MUTANTS = [
         ("imbalance <= rules.balance", "True"),
         ("cut == list(range(len(problem.ids)))", "True"),
         ("len(working) == len(tours) or", "True or"),
-        ('integer(entry, "plan, entry") == 0', "True"),
+        ('integer(entry, "plan, entry", least=0) < len(nodes)', "True"),
+        ("rules.neighbours_only or rules.clear_rapids", "rules.neighbours_only"),
+        ("rules.neighbours_only or rules.clear_rapids", "rules.clear_rapids"),
     ),
     *mutants(
         "plan.py",
@@ -310,5 +321,20 @@ MUTANTS = [
         ("work = seconds[0] - seconds[1]", "work = seconds[0] + seconds[1]"),
         ("rules.weight * imbalance", "imbalance"),
     ),
+    *mutants(
+        "plan.py",
+        "plans_with_entry_points_are_checked_and_valued",
+        ("nodes[entry]))", "nodes[0]))"),
+        ("turns[before] < turns[after]", "turns[before] > turns[after]"),
+        ("turns[before] < turns[after]", "True"),
+        ("tours if rules.parts_in_one_go else []", "[]"),
+        ("tours if rules.parts_in_one_go else []", "tours"),
+        ("len(set(begun)) == len(begun)", "True"),
+        ("list(pairwise(stops))", "[(v, u) for u, v in pairwise(stops)]"),
+        ("if step > 0", "if step < 0"),
+        ("rules.backward_price * _backward", "_backward"),
+        ("problem.seconds[contour] for", "problem.seconds[0] for"),
+    ),
+    Mutant("plan.py", "require(one_head", "require(True", "precedence_between_heads_is_not_valued"),
     Mutant("plan.py", "problem.length_key(u, v)", "(u, v)", "equal_tours_balance_exactly"),
 ]

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from certificate import battery_rows, battery_split, battery_whole  # noqa: F401, they enter their checks
+from certificate import battery_problem, battery_rows, battery_split, battery_whole  # noqa: F401, they enter their checks
 from certificate.battery import CHECKS
 from cutgap.formulations import certificate
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from certificate import battery_rows, battery_split, battery_whole  # noqa: F401, they enter their checks
+from certificate import battery_problem, battery_rows, battery_split, battery_whole  # noqa: F401, they enter their checks
 from certificate.battery import CHECKS
 from certificate.mutants import MUTANTS, Mutant
 from cutgap.formulations import certificate

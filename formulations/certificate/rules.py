@@ -1,0 +1,68 @@
+"""The rules of a certificate: what is asked of a plan, in exact numbers."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from cutgap.formulations.certificate.problem import Problem
+from cutgap.formulations.certificate.reading import fields, flag, number, require, text_of
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What is asked of a plan; fields as in the library's ``Rules``.
+
+    The last four, the process rules, are optional in a document. They only forbid plans or add to their
+    value, so proofs may leave them out of account.
+    """
+
+    objective: str
+    weight: Fraction
+    non_overlap: Fraction | None
+    balance: Fraction | None
+    via_points: bool
+    empty_heads: bool
+    parts_in_one_go: bool
+    neighbours_only: bool
+    clear_rapids: bool
+    backward_price: Fraction
+
+
+def rules_of(value: Any, problem: Problem) -> Rules:
+    """Return the rules of a certificate."""
+    table = fields(
+        value,
+        "rules",
+        "objective weight non_overlap balance via_points empty_heads",
+        "parts_in_one_go neighbours_only clear_rapids backward_price",
+    )
+    limits = {
+        name: None if table[name] is None else number(table[name], f"rules.{name}", least=0)
+        for name in ("non_overlap", "balance")
+    }
+    rules = Rules(
+        objective=text_of(table["objective"], "rules.objective"),
+        weight=number(table["weight"], "rules.weight", least=0),
+        via_points=flag(table["via_points"], "rules.via_points"),
+        empty_heads=flag(table["empty_heads"], "rules.empty_heads"),
+        parts_in_one_go=flag(table.get("parts_in_one_go", False), "rules.parts_in_one_go"),
+        neighbours_only=flag(table.get("neighbours_only", False), "rules.neighbours_only"),
+        clear_rapids=flag(table.get("clear_rapids", False), "rules.clear_rapids"),
+        backward_price=number(table.get("backward_price", 0), "rules.backward_price", least=0),
+        **limits,
+    )
+    require(rules.objective in ("makespan", "travel", "weighted"), "rules.objective: not known")
+    require(
+        rules.weight == 0 or rules.objective == "weighted", "rules.weight: goes with the objective weighted"
+    )
+    priced = rules.backward_price > 0
+    require(not priced or rules.objective != "makespan", "rules.backward_price: not of the objective makespan")
+    apart = rules.non_overlap is not None and len(problem.homes) > 1
+    speaks_of_x = rules.via_points or apart or priced
+    require(problem.located or not speaks_of_x, "rules: they speak of x, and the points carry no coordinates")
+    return rules
+
+
+def may_rest(problem: Problem, rules: Rules) -> bool:
+    """Whether a head may stay without work."""
+    return rules.empty_heads or len(problem.ids) < len(problem.homes)
