@@ -25,6 +25,9 @@ SCALE = 10**9
 MARGINS_MM = (1e-6, 1e-5, 1e-4, 1e-3)
 """How far below the floating-point bound a certificate's claim may lie."""
 
+MULTIPLIERS_UNUSED = 1
+"""Multiplier scale of proofs that have no rows."""
+
 SIDES = ("down", "up")
 RAY_SURPLUS_MM = 1e6
 """A ray of value 1 is taken so often that no bound of a parent, however bad, keeps a leaf below the target."""
@@ -40,6 +43,7 @@ def certificate_of(
     plan: Plan | None,
     multiplier_scale: int,
     claim: Callable[[float], tuple[int | None, dict[str, Any]]],
+    scale: int = SCALE,
 ) -> Certificate | None:
     """Return a verified certificate, or ``None`` when none of the margins holds.
 
@@ -60,7 +64,7 @@ def certificate_of(
             "version": 1,
             "instance": instance_hash(document),
             "rules": asdict(rules),
-            "scale": SCALE,
+            "scale": scale,
             "multiplier_scale": multiplier_scale,
             "bound": bound,
             "plan": visits,

@@ -5,13 +5,16 @@
 
 The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
-head), ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes).
+head), ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``contour-dp`` (one
+head, entry points, precedence and process rules).
 """
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import floor
 from typing import Any
 
+from cutgap.formulations.certificate.contour_dp import check_contours
 from cutgap.formulations.certificate.plan import plan_value
 from cutgap.formulations.certificate.problem import Problem, problem_of
 from cutgap.formulations.certificate.proof import Budget, check_tree
@@ -138,6 +141,11 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         # Without costs a value above 0 contradicts weak duality: there is no solution.
         target = 1 if bound is None else multiplier_scale * relaxation.factor * bound
         check_tree(relaxation, table["rows"], table["nodes"], target, budget)
+    elif proof.get("kind") == "contour-dp":
+        require(bound is not None, "contour-dp: proves bounds, not that there is no plan")
+        work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
+        worth = (bound or 0) - (floor(work) if rules.objective == "makespan" else 0)
+        check_contours(problem, rules, proof, worth, scale, budget)
     else:
         raise Refused(f"proof: no kind {show(proof.get('kind'))}")
 

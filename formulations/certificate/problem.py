@@ -12,6 +12,7 @@ that have one. With one entry point a contour, contours and nodes have the same 
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
@@ -33,6 +34,7 @@ from cutgap.formulations.certificate.reading import (
 MAX_NODES = 10_000
 
 Pair = tuple[int, int]
+Spot = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,9 @@ class Problem:
         perimeter / v_cut + t_aux of each contour, s.
     denominator, places
         ``places[node]`` holds integers: x, y, z, or the node's row of the matrix, in mm * denominator.
+    plane, curves
+        x, y of each entry point, and the closed polyline of each contour (empty without one), as integers in
+        a unit of their own.
     """
 
     digest: str
@@ -70,6 +75,8 @@ class Problem:
     denominator: int
     places: tuple[tuple[int, ...], ...]
     located: bool
+    plane: tuple[Spot, ...]
+    curves: tuple[tuple[Spot, ...], ...]
 
     def lengths(self, node: int, others: list[int], scale: int) -> list[int]:
         """Return (1) from one node to others."""
@@ -165,6 +172,7 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
     rows = points if matrix is None else matrix
     denominator = lcm(*{value.denominator for row in rows for value in row})
     places = tuple(tuple(int(value * denominator) for value in row) for row in rows)
+    plane, curves = _plane(contours)
     has_home = [home is not None for _, home in heads]
     homes = [count + sum(has_home[:head]) if has_home[head] else None for head in range(len(heads))]
     return Problem(
@@ -181,14 +189,20 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
         denominator=denominator,
         places=places,
         located=located,
+        plane=plane,
+        curves=curves,
     )
 
 
 Point = tuple[Fraction, ...]
 
 
-def _contour(value: Any, index: int) -> tuple[str, tuple[Point, ...], Fraction, str | None]:
-    """Return id, entry points, perimeter and part; curves are not looked at, as no proof needs them."""
+Curve = tuple[Point, ...]
+ContourFields = tuple[str, tuple[Point, ...], Fraction, str | None, Curve]
+
+
+def _contour(value: Any, index: int) -> ContourFields:
+    """Return id, entry points, perimeter, part and curve."""
     where = f"contours[{index}]"
     table = fields(value, where, "id entry_points perimeter", "part ring geometry")
     given = entries(table["entry_points"], f"{where}.entry_points")
@@ -197,7 +211,21 @@ def _contour(value: Any, index: int) -> tuple[str, tuple[Point, ...], Fraction, 
     perimeter = number(table["perimeter"], f"{where}.perimeter", least=0)
     part = table.get("part")
     require(part is None or isinstance(part, str), f"{where}.part: expected a text, got {show(part)}")
-    return text_of(table["id"], f"{where}.id"), points, perimeter, part
+    rows = entries(table.get("geometry") or [], f"{where}.geometry")
+    curve = tuple(_point(each, f"{where}.geometry[{i}]", 2) for i, each in enumerate(rows))
+    return text_of(table["id"], f"{where}.id"), points, perimeter, part, curve
+
+
+def _plane(contours: list[ContourFields]) -> tuple[tuple[Spot, ...], tuple[tuple[Spot, ...], ...]]:
+    """Return x, y of all entry points and of the curves, as integers over one denominator."""
+    points = [point for contour in contours for point in contour[1]]
+    rows = [*points, *(point for contour in contours for point in contour[4])]
+    unit = lcm(*{value.denominator for row in rows for value in row[:2]})
+
+    def spots(given: Sequence[Point]) -> tuple[Spot, ...]:
+        return tuple((int(x * unit), int(y * unit)) for x, y, *_ in given)
+
+    return spots(points), tuple(spots(contour[4]) for contour in contours)
 
 
 def _head(value: Any, index: int) -> tuple[str, Point | None]:
@@ -208,8 +236,8 @@ def _head(value: Any, index: int) -> tuple[str, Point | None]:
     )
 
 
-def _point(value: Any, where: str) -> Point:
-    return tuple(number(each, where) for each in entries(value, where, count=3))
+def _point(value: Any, where: str, count: int = 3) -> Point:
+    return tuple(number(each, where) for each in entries(value, where, count=count))
 
 
 def _check_names(contours: list[str], heads: list[str]) -> None:

@@ -69,15 +69,19 @@ class Relaxed:
     exhausted: bool = False
 
 
+def possible(walks: Walks) -> Bools:
+    """Return which points the precedence lets come at which position, shape (n, points)."""
+    positions, of_point = np.arange(walks.count)[:, None], walks.contour_of
+    allowed: Bools = (positions >= walks.earliest[of_point]) & (positions <= walks.latest[of_point])
+    return allowed
+
+
 class Ascent:
     """The rounds over one walk problem; ``limit`` in mm: dearer walks are of no interest."""
 
     def __init__(self, walks: Walks, limit: float, deadline: float, watch: Callable[[float], None]) -> None:
         self.walks, self.deadline, self.watch = walks, deadline, watch
-        positions = np.arange(walks.count)[:, None]
-        of_point = walks.contour_of
-        allowed = (positions >= walks.earliest[of_point]) & (positions <= walks.latest[of_point])
-        self.found = Relaxed(limit, -np.inf, allowed)
+        self.found = Relaxed(limit, -np.inf, possible(walks))
         self.members = start_members(walks, START_MEMBERS)
         self.prices = np.zeros(walks.count)
         self.forgotten: list[Forgotten] = []

@@ -19,7 +19,7 @@ from numba import njit
 
 from cutgap.formulations.contour_dp.ascent import Relaxed
 from cutgap.formulations.contour_dp.memory import Memory, build_memory
-from cutgap.formulations.contour_dp.passes import forward_pass
+from cutgap.formulations.contour_dp.passes import backward_pass, forward_pass
 from cutgap.formulations.contour_dp.rows import Layer, Onward, Steps, extend_layer, may_follow
 from cutgap.formulations.contour_dp.walks import Bools, Walks
 from cutgap.instances.arrays import Floats, Ints
@@ -38,14 +38,16 @@ class Searched:
         No walk costs less than the least of this, ``cost`` and the limit; infinite if no state was left out.
     cost, walk
         The best walk below the limit that was found; infinite and ``None`` without one.
-    rows
-        Number of rows (a set and a last contour) that were kept.
+    rows, relaxed_rows
+        Number of rows (a set and a last contour) that were kept, and of those of the completion bounds (a
+        memory and a contour at a position).
     """
 
     bound: float
     cost: float
     walk: Ints | None
     rows: int
+    relaxed_rows: int
 
     @property
     def complete(self) -> bool:
@@ -67,7 +69,7 @@ def search(walks: Walks, found: Relaxed, width: int) -> Searched:
     prices = np.array(stage.prices)
     memory = build_memory(walks, stage.members)
     limit = found.limit + float(prices.sum())
-    bounds = completions(walks, memory, prices, found.allowed, limit)
+    bounds, relaxed_rows = completions(walks, memory, prices, found.allowed, limit)
     steps, bits = _steps(walks, prices), _member_bits(walks, memory)
     layers = [_first_layer(walks, prices, Onward(bits, memory.offset, bounds[0], limit))]
     left_out = np.inf
@@ -78,11 +80,17 @@ def search(walks: Walks, found: Relaxed, width: int) -> Searched:
         left_out = min(left_out, dropped)
     cost, walk = _best(walks, steps, layers)
     paid = float(prices.sum())
-    return Searched(left_out - paid, cost - paid, walk, sum(len(layer.sets) for layer in layers))
+    rows = sum(len(layer.sets) for layer in layers)
+    return Searched(left_out - paid, cost - paid, walk, rows, relaxed_rows)
 
 
-def completions(walks: Walks, memory: Memory, prices: Floats, allowed: Bools, limit: float) -> Floats:
-    """Return R by position, as a table over (M, point) like that of a forward pass: R(v, S), S and N_a = M."""
+def completions(
+    walks: Walks, memory: Memory, prices: Floats, allowed: Bools, limit: float
+) -> tuple[Floats, int]:
+    """Return R by position, and how many rows it took.
+
+    R is a table over (M, point) like that of a forward pass: the entry for R(v, S) is at M = S and N_a.
+    """
     back = replace(
         walks,
         costs=np.ascontiguousarray(walks.costs.T),
@@ -93,15 +101,17 @@ def completions(walks: Walks, memory: Memory, prices: Floats, allowed: Bools, li
         crossed=None,
     )
     reverse = build_memory(back, memory.members)
-    # What a walk cost before v is not known here: any start below the limit may still be right.
-    before = np.where(allowed[::-1], -np.inf, np.inf)
+    before = backward_pass(back.costs, back.end, prices, back.first, back.closed, allowed[::-1])
     tables = (reverse.following, reverse.offset, reverse.crossed)
     value = forward_pass(back.costs, back.start, prices, back.first, *tables, before, limit)[::-1].copy()
+    rows = 0
     for a in range(walks.count):
         points = int(walks.first[a + 1] - walks.first[a])
+        table = value[:, memory.offset[a] : memory.offset[a + 1]].reshape(walks.count, -1, points)
+        rows += int(np.isfinite(table).any(axis=2).sum())
         _least_disjoint(value, int(memory.offset[a]), len(memory.members[a]), points)
     # F pays for the contour at v, and so does R.
-    return value - np.repeat(prices, np.diff(memory.offset))
+    return value - np.repeat(prices, np.diff(memory.offset)), rows
 
 
 @njit(cache=True)

@@ -2,10 +2,12 @@
 
 import time
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
 from cutgap.formulations.contour_dp.closing import Closing, Incumbent
+from cutgap.formulations.contour_dp.proof import contour_certificate
 from cutgap.formulations.contour_dp.walks import Walks, walk_problems
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, conclude
 from cutgap.instances.arrays import Ints
@@ -43,13 +45,11 @@ def solve_contours(
     begun = time.perf_counter()
     _require_scope(instance, rules)
     if not instance.contours or (len(instance.contours) == 1 and instance.heads[0].home is None):
-        plan = Plan.of_contours([range(len(instance.contours))])  # a head that stays where it is
-        value = conclude(instance, rules, plan, method=NAME, seconds=0.0).value
-        return conclude(instance, rules, plan, method=NAME, seconds=0.0, lower_bound=value)
+        return _stay(instance, rules, certify)
     search = ContourSearch(instance, rules, start, begun, time_limit, watch)
     complete = search.run()
     proved = search.bound
-    return conclude(
+    result = conclude(
         instance,
         rules,
         search.plan,
@@ -58,6 +58,23 @@ def solve_contours(
         lower_bound=search.objective(proved) if np.isfinite(proved) else None,
         infeasible=complete and search.plan is None,
         reason=None if complete else "stopped early",
+    )
+    if not certify or result.lower_bound is None:
+        return result
+    step = search.incumbent.step
+    certificate = contour_certificate(instance, rules, search.plan, proved, step, search.closings)
+    return replace(result, certificate=certificate)
+
+
+def _stay(instance: Instance, rules: Rules, certify: bool) -> Result:
+    """Return the plan of a head that stays where it is, as no rapid is needed."""
+    plan = Plan.of_contours([range(len(instance.contours))])
+    value = conclude(instance, rules, plan, method=NAME, seconds=0.0).value
+    result = conclude(instance, rules, plan, method=NAME, seconds=0.0, lower_bound=value)
+    return (
+        replace(result, certificate=contour_certificate(instance, rules, plan, 0.0, 0.0, []))
+        if certify
+        else result
     )
 
 
