@@ -4,21 +4,39 @@
 suffix    content                               written  homes
 ========  ====================================  =======  ==========================================
 .json     everything, and plans                 yes      in the file; given ones replace them
+.json     CAM routing task                      no       in the file; given ones replace them
+.json     CAM list of nested parts              no       must be given
 .csv      holes ``id,x,y,z,perimeter``          yes      must be given
 .tsp      TSPLIB, symmetric                     yes      closed tour without; given where computable
 .atsp     TSPLIB, asymmetric                    yes      as .tsp
+.gtsp     GTSPLIB: sets of entry points         yes      as .tsp
+.pcglns   GTSPLIB with an ordering              yes      start set of one node; given where computable
+.txt      cutting paths: GTSPLIB in mm          no       set 1 if of one node; given ones replace it
+.txt      discs ``x y z r``                     no       a depot comment, or given
 .cetsp    discs ``x y z r``                     no       a depot comment, or given
-.txt      as .cetsp                             no       as .cetsp
 ========  ====================================  =======  ==========================================
+
+Where a suffix has several contents, the content itself says which it is.
 """
 
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from cutgap.instances.formats import csv_format, discs, json_format, tsplib
+from cutgap.instances.formats import (
+    cam_parts,
+    cam_routing,
+    csv_format,
+    discs,
+    gtsp,
+    gtsp_writer,
+    json_format,
+    tsplib,
+)
 from cutgap.instances.formats.files import SIZE_LIMIT, read_text, write_atomically
+from cutgap.instances.formats.json_text import load_json
 from cutgap.instances.formats.options import NO_OVERRIDES, MachineOptions
+from cutgap.instances.formats.tsplib_sections import begins_with_field
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
 
@@ -33,13 +51,31 @@ __all__ = [
     "write_plan",
 ]
 
+
+def _parse_json(text: str, name: str, options: MachineOptions) -> Instance:
+    """Read a ``.json`` file in the dialect that its content shows."""
+    document = load_json(text)
+    for dialect in (cam_routing, cam_parts):
+        if dialect.recognises(document):
+            return dialect.parse_document(document, name, options)
+    return json_format.parse_document(document, options)
+
+
+def _parse_txt(text: str, name: str, options: MachineOptions) -> Instance:
+    """Read a ``.txt`` file: sets of nodes when it begins with a field, else discs."""
+    reader = gtsp if begins_with_field(text) else discs
+    return reader.parse_instance(text, name, options)
+
+
 _READERS: dict[str, Callable[[str, str, MachineOptions], Instance]] = {
-    ".json": json_format.parse_instance,
+    ".json": _parse_json,
     ".csv": csv_format.parse_instance,
     ".tsp": tsplib.parse_instance,
     ".atsp": tsplib.parse_instance,
+    ".gtsp": gtsp.parse_instance,
+    ".pcglns": gtsp.parse_instance,
     ".cetsp": discs.parse_instance,
-    ".txt": discs.parse_instance,
+    ".txt": _parse_txt,
 }
 READABLE_SUFFIXES = tuple(_READERS)
 """Suffixes of files that ``read_instance`` takes."""
@@ -48,6 +84,8 @@ _WRITERS: dict[str, Callable[[Instance], str]] = {
     ".csv": csv_format.format_instance,
     ".tsp": tsplib.format_instance,
     ".atsp": tsplib.format_instance,
+    ".gtsp": gtsp_writer.format_gtsp,
+    ".pcglns": gtsp_writer.format_pcglns,
 }
 _PLAN_SUFFIXES = {".json": None}
 _Entry = TypeVar("_Entry")
@@ -80,7 +118,8 @@ def read_instance(path: str | Path, overrides: MachineOptions = NO_OVERRIDES) ->
 def write_instance(instance: Instance, path: str | Path) -> None:
     """Write an instance, replacing the file as a whole.
 
-    CSV and TSPLIB files hold no machine figures, CSV files no homes: they are given again on reading.
+    CSV files and those of the TSPLIB family hold no machine figures, CSV files no homes: they are given again
+    on reading.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from typing import Any
 from cutgap.instances.arrays import Floats, frozen_array
 from cutgap.instances.evaluate import require_known
 from cutgap.instances.formats.json_models import ContourModel, InstanceModel, PlanModel, VisitModel
-from cutgap.instances.formats.json_text import parse_json
+from cutgap.instances.formats.json_text import fit_format, load_json, parse_json
 from cutgap.instances.formats.options import MachineOptions
 from cutgap.instances.instance import Contour, Head, Instance, Machine, Material
 from cutgap.instances.plan import Plan, Visit
@@ -34,7 +34,12 @@ def parse_instance(text: str, name: str, options: MachineOptions) -> Instance:
     ValueError
         Naming field path and value, when the text is not a valid instance.
     """
-    model = parse_json(text, InstanceModel, INSTANCE_FORMAT)
+    return parse_document(load_json(text), options)
+
+
+def parse_document(document: Any, options: MachineOptions) -> Instance:
+    """Return the instance in the content of a JSON file; errors as for ``parse_instance``."""
+    model = fit_format(document, InstanceModel, INSTANCE_FORMAT)
     if options.homes and model.matrix is not None:
         raise ValueError("matrix: holds no lengths to other homes; leave --home out")
     heads = tuple(Head(head.id, _points(head.home)) for head in model.heads)

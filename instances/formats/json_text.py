@@ -15,7 +15,18 @@ _LONGEST_INT = 15
 
 
 def parse_json(text: str, model: type[Model], format_name: str) -> Model:
-    """Return the model that a JSON text describes.
+    """Return the model that a JSON text of a format of ours describes.
+
+    Raises
+    ------
+    ValueError
+        When the text is no JSON, of another format or version, or does not fit the model.
+    """
+    return fit_format(load_json(text), model, format_name)
+
+
+def load_json(text: str) -> Any:
+    """Return the content of a JSON text.
 
     Python's parser takes NaN, Infinity, 1e999 and repeated keys; here the first three become
     non-finite floats, which the models refuse with their place, and repeated keys are refused.
@@ -23,7 +34,7 @@ def parse_json(text: str, model: type[Model], format_name: str) -> Model:
     Raises
     ------
     ValueError
-        When the text is no JSON, of another format or version, or does not fit the model.
+        When the text is no JSON.
     """
     repeated: list[tuple[dict[str, Any], str]] = []
 
@@ -46,7 +57,17 @@ def parse_json(text: str, model: type[Model], format_name: str) -> Model:
         table, key = repeated[0]
         place = _join([*(_find(document, table) or ()), key])
         raise ValueError(f"{place}: the key appears more than once; keep one")
+    return document
+
+
+def fit_format(document: Any, model: type[Model], format_name: str) -> Model:
+    """Return the model that the content of a JSON file of ours describes; errors as for ``parse_json``."""
     _check_format(document, format_name)
+    return fit(document, model)
+
+
+def fit(document: Any, model: type[Model]) -> Model:
+    """Return the model that the content of a JSON file describes; errors name field path and value."""
     try:
         return model.model_validate(document)
     except ValidationError as error:
@@ -71,6 +92,8 @@ def _check_format(document: Any, format_name: str) -> None:
 
 def _first_error(error: ValidationError) -> str:
     first = error.errors(include_url=False, include_context=False)[0]
+    if first["type"].startswith("recursion"):
+        return "nested too deeply to be a cutgap file"
     place = _join(first["loc"]) or "a key"
     if first["type"] == "missing":
         return f"{place}: missing; add it"

@@ -10,7 +10,7 @@ Source: Reinelt, TSPLIB 95 (1995).
 import numpy as np
 
 from cutgap.instances.arrays import Floats
-from cutgap.instances.formats.numbers import parse_count, parse_number
+from cutgap.instances.formats.numbers import parse_count, parse_number, parse_numbers
 from cutgap.instances.formats.options import MachineOptions
 from cutgap.instances.formats.tsplib_metrics import FORMATS, METRICS, entry_count, explicit_matrix
 from cutgap.instances.formats.tsplib_sections import TsplibFile, TsplibSection, parse_sections
@@ -34,9 +34,11 @@ def parse_instance(text: str, name: str, options: MachineOptions) -> Instance:
     size = dimension(file)
     metric = file.choice("EDGE_WEIGHT_TYPE", ("EXPLICIT", *METRICS))
     points = coordinates(file, size)
-    homes = _homes(options, metric)
+    homes = given_homes(options, metric)
     if metric == "EXPLICIT":
-        matrix = weights(file, size, symmetric=kind == "TSP")
+        matrix = weights(file, size)
+        if kind == "TSP":
+            require_symmetric(file, matrix, "ATSP")
     elif points is None:
         raise ValueError(f"{COORDINATES}: the section is missing; {metric} needs it")
     else:
@@ -89,27 +91,32 @@ def coordinates(file: TsplibFile, size: int) -> Floats | None:
     return points
 
 
-def weights(file: TsplibFile, size: int, *, symmetric: bool) -> Floats:
-    """Return the matrix of an explicit file."""
+def weights(file: TsplibFile, size: int, *, least: float = 0.0) -> Floats:
+    """Return the matrix of an explicit file, its numbers at least ``least``."""
     section = file.sections.get(WEIGHTS)
     if section is None:
         raise ValueError(f"{WEIGHTS}: the section is missing; EXPLICIT needs it")
     layout = file.choice("EDGE_WEIGHT_FORMAT", FORMATS)
-    numbers = _weight_numbers(section, entry_count(layout, size), layout)
-    matrix = explicit_matrix(layout, size, numbers)
-    if symmetric and (matrix != matrix.T).any():
-        a, b = np.argwhere(matrix != matrix.T)[0].tolist()
-        raise ValueError(
-            f"line {section.line}, {WEIGHTS}: TYPE TSP is symmetric, but {a + 1} to {b + 1} is "
-            f"{matrix[a, b]:g} and back {matrix[b, a]:g}; write TYPE ATSP if that is meant"
-        )
-    return matrix
+    numbers = _weight_numbers(section, entry_count(layout, size), layout, least)
+    return explicit_matrix(layout, size, numbers)
 
 
-def _weight_numbers(section: TsplibSection, expected: int, layout: str) -> Floats:
+def require_symmetric(file: TsplibFile, matrix: Floats, other_type: str) -> None:
+    """Raise ``ValueError`` when the explicit matrix of a symmetric type is not; ``other_type`` takes it."""
+    if (matrix == matrix.T).all():
+        return
+    a, b = np.argwhere(matrix != matrix.T)[0].tolist()
+    raise ValueError(
+        f"line {file.sections[WEIGHTS].line}, {WEIGHTS}: TYPE {file.fields['TYPE'].value} is symmetric, but "
+        f"{a + 1} to {b + 1} is {matrix[a, b]:g} and back {matrix[b, a]:g}; "
+        f"write TYPE {other_type} if that is meant"
+    )
+
+
+def _weight_numbers(section: TsplibSection, expected: int, layout: str, least: float) -> Floats:
     numbers: list[float] = []
     for line, words in section.rows:
-        numbers += [parse_number(word, f"line {line}, {WEIGHTS}", least=0.0) for word in words]
+        numbers += parse_numbers(words, f"line {line}, {WEIGHTS}", least=least)
         if len(numbers) > expected:
             raise ValueError(f"line {line}, {WEIGHTS}: more than the {expected} numbers of {layout}")
     if len(numbers) < expected:
@@ -119,7 +126,7 @@ def _weight_numbers(section: TsplibSection, expected: int, layout: str) -> Float
     return np.array(numbers)
 
 
-def _homes(options: MachineOptions, metric: str) -> Floats:
+def given_homes(options: MachineOptions, metric: str) -> Floats:
     """Return the places of the given homes, shape (homes, 3), where lengths to them can be computed."""
     if not options.homes:
         return np.empty((0, 3))
@@ -148,14 +155,20 @@ def format_instance(instance: Instance) -> str:
         f"NAME : {instance.name}",
         f"TYPE : {'TSP' if symmetric else 'ATSP'}",
         f"DIMENSION : {len(instance.contours)}",
-        "EDGE_WEIGHT_TYPE : EXPLICIT",
-        "EDGE_WEIGHT_FORMAT : FULL_MATRIX",
+        *node_lines(instance.points if instance.located else None, instance.matrix),
+        "EOF",
+        "",
     ]
-    if instance.located:
-        lines += ["NODE_COORD_TYPE : THREED_COORDS", COORDINATES]
-        lines += [f"{node} {_row(point)}" for node, point in enumerate(instance.points.tolist(), start=1)]
-    lines += [WEIGHTS, *(_row(row) for row in instance.matrix.tolist()), "EOF", ""]
     return "\n".join(lines)
+
+
+def node_lines(points: Floats | None, matrix: Floats) -> list[str]:
+    """Return the lines of an explicit matrix, with the coordinates of its nodes where there are any."""
+    lines = ["EDGE_WEIGHT_TYPE : EXPLICIT", "EDGE_WEIGHT_FORMAT : FULL_MATRIX"]
+    if points is not None:
+        lines += ["NODE_COORD_TYPE : THREED_COORDS", COORDINATES]
+        lines += [f"{node} {_row(point)}" for node, point in enumerate(points.tolist(), start=1)]
+    return [*lines, WEIGHTS, *(_row(row) for row in matrix.tolist())]
 
 
 def _row(numbers: list[float]) -> str:
@@ -163,19 +176,27 @@ def _row(numbers: list[float]) -> str:
     return " ".join(repr(number).removesuffix(".0") for number in numbers)
 
 
-def _obstacles(instance: Instance) -> dict[str, bool]:
-    contours, matrix = instance.contours, instance.matrix
+def obstacles(instance: Instance) -> dict[str, bool]:
+    """Return what no file of the TSPLIB family holds, and whether the instance has it."""
+    contours = instance.contours
     return {
-        "several entry points": any(len(contour.entry_points) > 1 for contour in contours),
         "geometry": any(contour.geometry is not None for contour in contours),
         "parts and rings": any(contour.part is not None or contour.ring != "hole" for contour in contours),
         "perimeters": any(contour.perimeter > 0 for contour in contours),
-        "precedence": bool(instance.precedence),
         "a material": instance.material is not None,
-        "homes": any(head.home is not None for head in instance.heads),
         "several heads": len(instance.heads) > 1,
+        f"the metric {instance.machine.metric} unrounded": instance.matrix is None,
+        "a name that is empty or has odd blanks": instance.name != (" ".join(instance.name.split()) or "-"),
+    }
+
+
+def _obstacles(instance: Instance) -> dict[str, bool]:
+    contours = instance.contours
+    return {
+        "several entry points": any(len(contour.entry_points) > 1 for contour in contours),
+        "precedence": bool(instance.precedence),
+        "homes": any(head.home is not None for head in instance.heads),
         "no node": not contours,
         "ids other than 1, 2, ...": any(c.id != str(n) for n, c in enumerate(contours, start=1)),
-        f"the metric {instance.machine.metric} unrounded": matrix is None,
-        "a name that is empty or has odd blanks": instance.name != (" ".join(instance.name.split()) or "-"),
+        **obstacles(instance),
     }

@@ -58,6 +58,12 @@ class TsplibFile:
                 raise ValueError(f"line {section.line}, {keyword}: not known here; known: {', '.join(known)}")
 
 
+def begins_with_field(text: str) -> bool:
+    """Whether the first line that is not blank is a field ``KEYWORD : value``."""
+    match = _KEYWORD.match(text.lstrip())
+    return match is not None and match[2] is not None
+
+
 def parse_sections(text: str) -> TsplibFile:
     """Split a text into fields and sections; lines after ``EOF`` are not read.
 

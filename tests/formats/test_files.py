@@ -20,12 +20,12 @@ HOLE = Instance("hole", (Contour("a", np.zeros((1, 3)), 1.0),), (Head("head", np
 
 
 def test_an_unknown_suffix_lists_the_known_ones(tmp_path):
-    known = r"\.json, \.csv, \.tsp, \.atsp, \.cetsp, \.txt"
+    known = r"\.json, \.csv, \.tsp, \.atsp, \.gtsp, \.pcglns, \.cetsp, \.txt"
     with pytest.raises(ValueError, match=rf"part\.dwg: unknown suffix '\.dwg'; .*read end in {known}"):
         read_instance(tmp_path / "part.dwg")
     with pytest.raises(ValueError, match=r"part: unknown suffix ''"):
         read_instance(tmp_path / "part")
-    with pytest.raises(ValueError, match=r"discs\.cetsp: .*written end in \.json, \.csv, \.tsp, \.atsp$"):
+    with pytest.raises(ValueError, match=r"discs\.cetsp: .*written end in \.json, \.csv, \.tsp, \.atsp, \.gtsp"):
         write_instance(HOLE, tmp_path / "discs.cetsp")
     with pytest.raises(ValueError, match=r"plan\.csv: .*end in \.json$"):
         read_plan(tmp_path / "plan.csv", HOLE)
