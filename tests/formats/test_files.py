@@ -25,7 +25,9 @@ def test_an_unknown_suffix_lists_the_known_ones(tmp_path):
         read_instance(tmp_path / "part.dwg")
     with pytest.raises(ValueError, match=r"part: unknown suffix ''"):
         read_instance(tmp_path / "part")
-    with pytest.raises(ValueError, match=r"discs\.cetsp: .*written end in \.json, \.csv, \.tsp, \.atsp, \.gtsp"):
+    with pytest.raises(
+        ValueError, match=r"discs\.cetsp: .*written end in \.json, \.csv, \.tsp, \.atsp, \.gtsp"
+    ):
         write_instance(HOLE, tmp_path / "discs.cetsp")
     with pytest.raises(ValueError, match=r"plan\.csv: .*end in \.json$"):
         read_plan(tmp_path / "plan.csv", HOLE)
