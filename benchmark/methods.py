@@ -1,15 +1,15 @@
 """One way to call every method, exact or heuristic: a name in, a checked ``Result`` out."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
 from time import perf_counter
 
 import numpy as np
 
 from cutgap.formulations import METHODS, resolve, solve
 from cutgap.heuristics import HEURISTICS
-from cutgap.instances import Contour, Head, Instance, Result, Rules, conclude
+from cutgap.instances import Instance, Result, Rules, conclude
 from cutgap.instances.progress import Watch, nobody
 
 AUTO = "auto"
@@ -21,9 +21,14 @@ def known_methods() -> tuple[str, ...]:
     return (*METHODS, *HEURISTICS)
 
 
-def default_methods() -> tuple[str, ...]:
-    """Return what a gap table compares: the exact method that suits the rules, and all heuristics."""
-    return (AUTO, *HEURISTICS)
+def default_methods(instances: Sequence[Instance], rules: Rules) -> tuple[str, ...]:
+    """Return what a gap table compares: the exact method that suits, and what heuristics apply to any."""
+    heuristics = [
+        name
+        for name, heuristic in HEURISTICS.items()
+        if any(heuristic.applies(instance, rules) for instance in instances)
+    ]
+    return (AUTO, *heuristics)
 
 
 def is_exact(method: str) -> bool:
@@ -96,13 +101,44 @@ def _run_exact(
     return replace(result, seconds=result.seconds + spent)
 
 
-@cache
-def warm_up(method: str, rules: Rules) -> None:
-    """Run a method once on six points, so that loading and compiling count in no table."""
-    angles = np.linspace(0.0, 5.0, 6)
-    points = np.column_stack([100 * np.cos(angles), 100 * np.sin(angles), np.zeros(6)])
-    contours = tuple(Contour(str(number), point[None], 10.0) for number, point in enumerate(points))
-    heads = (Head("left", np.array([-200.0, 0, 0])), Head("right", np.array([200.0, 0, 0])))
-    # Where a method refuses the rules, the run itself says so.
+_WARM: set[tuple[object, ...]] = set()
+"""What is warm in this process: methods, rules and kinds of instances."""
+
+
+def warm_up(method: str, rules: Rules, instance: Instance) -> None:
+    """Run a method on a few contours of an instance, so that loading and compiling count in no table.
+
+    Once for a method, rules and kind of instance: heads, metric, entry points, precedence, geometry.
+    """
+    kind = (
+        method,
+        rules,
+        tuple(head.home is None for head in instance.heads),
+        instance.machine.metric,
+        any(len(contour.entry_points) > 1 for contour in instance.contours),
+        bool(instance.precedence),
+        all(contour.geometry is not None for contour in instance.contours),
+    )
+    if kind in _WARM:
+        return
+    _WARM.add(kind)
+    # Where a method refuses the instance or the rules, the run itself says so.
     with suppress(ValueError):
-        run(method, Instance("warm-up", contours, heads), rules, time_limit=10.0)
+        run(method, excerpt(instance), rules, time_limit=10.0)
+
+
+def excerpt(instance: Instance, *, contours: int = 6, entries: int = 3) -> Instance:
+    """Return an instance with the first contours, and of each the first entry points, of another."""
+    chosen = instance.contours[:contours]
+    nodes = [
+        instance.node(contour, entry)
+        for contour, each in enumerate(chosen)
+        for entry in range(min(entries, len(each.entry_points)))
+    ]
+    nodes += range(int(instance.first_node[-1]), instance.node_count)
+    return replace(
+        instance,
+        contours=tuple(replace(each, entry_points=each.entry_points[:entries]) for each in chosen),
+        precedence=tuple(pair for pair in instance.precedence if max(pair) < contours),
+        matrix=None if instance.matrix is None else instance.matrix[np.ix_(nodes, nodes)],
+    )

@@ -57,7 +57,7 @@ def part(kind: str, holes: int | None, options: Options) -> Instance:
 
 def run_peer(instance: Instance, rules: Rules, method: str, limit_s: float | None) -> Result:
     """Solve after a warm-up, so that loading and compiling do not count."""
-    warm_up(method, rules)
+    warm_up(method, rules, instance)
     return solve(instance, rules, method=method, time_limit=limit_s)
 
 
@@ -123,7 +123,7 @@ def sizes(options: Options) -> Iterator[Row]:
 
 def certified(instance: Instance, limit_s: float | None) -> Row:
     """Solve with a certificate; the seconds contain writing it, and the verification is timed again."""
-    warm_up("split", Rules())
+    warm_up("split", Rules(), instance)
     start = perf_counter()
     result = solve(instance, Rules(), method="split", time_limit=limit_s, certify=True)
     seconds = perf_counter() - start

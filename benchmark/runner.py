@@ -32,7 +32,7 @@ def run_task(task: Task, watch: Watch = nobody) -> Record:
     ValueError
         When the method refuses the instance or the rules, or its result does not fit its plan.
     """
-    warm_up(task.method, task.rules)
+    warm_up(task.method, task.rules, task.instance)
     result = run(
         task.method,
         task.instance,

@@ -7,10 +7,12 @@ the same instance and rules. A plan that breaks a rule has its violation in the 
 import csv
 import io
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from statistics import fmean, median
+from types import MappingProxyType
 
+from cutgap.benchmark.best_known import BestKnown
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.wording import describe
 from cutgap.instances import Evaluation, Rules, Status
@@ -45,6 +47,8 @@ class TableRow:
         Mean time of a run.
     note
         Why there is no allowed plan: a violation, or what the run says.
+    published
+        What others published about the instance under these rules.
     """
 
     instance: str
@@ -62,6 +66,7 @@ class TableRow:
     gaps: tuple[float, ...]
     seconds: float
     note: str
+    published: BestKnown | None = None
 
     @property
     def evaluation(self) -> Evaluation | None:
@@ -98,8 +103,15 @@ class Summary:
         return min(self.gaps), fmean(self.gaps), median(self.gaps), max(self.gaps)
 
 
-def gap_table(records: Iterable[Record]) -> list[TableRow]:
+def gap_table(
+    records: Iterable[Record], published: Mapping[str, BestKnown] = MappingProxyType({})
+) -> list[TableRow]:
     """Return the table's rows, instances and methods in the order in which they appear.
+
+    Parameters
+    ----------
+    published
+        What is published about instances under the rules of the records, by their names.
 
     Raises
     ------
@@ -119,7 +131,10 @@ def gap_table(records: Iterable[Record]) -> list[TableRow]:
         )
         best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
         proved = bound is not None and best is not None and best <= bound + slack(best)
-        rows += [_table_row(group, bound, proved, certified) for group in methods.values()]
+        known = published.get(every[0].instance)
+        rows += [
+            replace(_table_row(group, bound, proved, certified), published=known) for group in methods.values()
+        ]
     return rows
 
 
@@ -210,20 +225,21 @@ def summarise(rows: Sequence[TableRow]) -> list[Summary]:
 def table_csv(rows: Sequence[TableRow]) -> str:
     """Return the table as CSV text; an empty field is a figure that does not exist."""
     heads = max((row.best.heads for row in rows), default=2)
+    published = any(row.published is not None for row in rows)
     text = io.StringIO()
-    writer = csv.DictWriter(text, csv_columns(heads), lineterminator="\n")
+    writer = csv.DictWriter(text, csv_columns(heads, published=published), lineterminator="\n")
     writer.writeheader()
     writer.writerows(cells(row) for row in rows)
     return text.getvalue()
 
 
-def csv_columns(heads: int) -> list[str]:
-    """Return the names of the CSV's columns for that many heads."""
+def csv_columns(heads: int, *, published: bool = False) -> list[str]:
+    """Return the names of the CSV's columns for that many heads, with published figures or without."""
     times = [f"time_{head + 1}_s" for head in range(heads)]
     figures = ["imbalance_s", "makespan_s", "partition_gap_mm", "unit", "value", "value_mean"]
     proof = ["lower_bound", "proven_optimum", "certified", "gap_percent", "gap_mean_percent", "seconds", "note"]
     run = ["part", "contours", "rules", "method", "runs", "allowed_runs", "travel_mm"]
-    return [*run, *times, *figures, *proof]
+    return [*run, *times, *figures, *proof, *(["published_value", "published_bound"] if published else [])]
 
 
 def cells(row: TableRow) -> dict[str, object]:
@@ -254,4 +270,6 @@ def cells(row: TableRow) -> dict[str, object]:
             "makespan_s": row.evaluation.makespan_s,
             "partition_gap_mm": row.evaluation.partition_gap_mm,
         }
+    if row.published is not None:
+        found |= {"published_value": row.published.value, "published_bound": row.published.lower_bound}
     return found

@@ -2,13 +2,14 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache, cached_property, lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
-from cutgap.benchmark.methods import is_exact, require_known
+from cutgap.benchmark.best_known import BestKnown, best_known
+from cutgap.benchmark.methods import default_methods, is_exact, require_known
 from cutgap.instances import Instance, Rules
 from cutgap.instances.formats import READABLE_SUFFIXES, MachineOptions, read_instance
 from cutgap.instances.formats.json_format import format_instance
@@ -55,19 +56,39 @@ class Task:
 
 @dataclass(frozen=True)
 class Suite:
-    """Instances under one name; ``name`` also names the folder of the results."""
+    """Instances under one name.
+
+    Attributes
+    ----------
+    name
+        Also names the folder of the results.
+    rules
+        What is asked of plans unless something else is.
+    published
+        What is published about instances under these rules, by their names.
+    """
 
     name: str
     instances: tuple[Instance, ...]
+    rules: Rules = field(default_factory=Rules)
+    published: Mapping[str, BestKnown] = field(default_factory=dict)
+
+
+FILE_SUITES: dict[str, str] = {"gtsp": ".gtsp", "pcgtsp": ".pcglns", "cutting-paths": ".txt"}
+"""Suites ``NAME:PATH`` of files of one kind: name and suffix."""
+
+SUITE_RULES: dict[str, Rules] = dict.fromkeys(FILE_SUITES, Rules("travel"))
+"""What suites ask for by themselves; all others ask for the least makespan."""
 
 
 def find_suite(name: str, options: MachineOptions) -> Suite:
-    """Return a shipped suite, or the instances of a file or folder.
+    """Return a shipped suite, the files of one kind, or the instances of a file or folder.
 
     Parameters
     ----------
     name
-        Name of a shipped suite, or a path. Of a folder every file of a known format is read, by name.
+        Name of a shipped suite; ``NAME:PATH`` with a name of ``FILE_SUITES``, for the files of this kind in a
+        folder, or one of them; or a path alone. Of a folder every file of a known format is read, by name.
     options
         Homes and speeds for formats that carry none, or in place of the given ones.
 
@@ -77,16 +98,32 @@ def find_suite(name: str, options: MachineOptions) -> Suite:
         When there is no such suite, the folder holds no instance, or a file is refused.
     """
     if name in SUITES:
-        return Suite(name, tuple(_overridden(instance, options) for instance in load_suite(name)))
-    path = Path(name)
+        instances = tuple(_overridden(instance, options) for instance in load_suite(name))
+        return Suite(name, instances, SUITE_RULES.get(name, Rules()))
+    kind, colon, place = name.partition(":")
+    if colon and kind in FILE_SUITES:
+        title, instances = _read_all(Path(place), (FILE_SUITES[kind],), name, options)
+        # Other homes make another problem, about which nothing is published.
+        published = {} if options.homes else best_known(kind, instances)
+        return Suite(title if title == kind else f"{kind}-{title}", instances, SUITE_RULES[kind], published)
+    return Suite(*_read_all(Path(name), READABLE_SUFFIXES, name, options))
+
+
+def _read_all(
+    path: Path, suffixes: tuple[str, ...], name: str, options: MachineOptions
+) -> tuple[str, tuple[Instance, ...]]:
+    """Return the name of a file or folder, and the instances in its files with one of the suffixes."""
     if path.is_dir():
-        files = [file for file in sorted(path.iterdir()) if file.suffix.lower() in READABLE_SUFFIXES]
+        files = [file for file in sorted(path.iterdir()) if file.suffix.lower() in suffixes]
         if not files:
-            raise ValueError(f"suite {name!r}: the folder holds no {', '.join(READABLE_SUFFIXES)} file")
-        return Suite(path.resolve().name, tuple(read_instance(file, options) for file in files))
+            raise ValueError(f"suite {name!r}: the folder holds no {', '.join(suffixes)} file")
+        return path.resolve().name, tuple(read_instance(file, options) for file in files)
     if path.is_file():
-        return Suite(path.stem, (read_instance(path, options),))
-    raise ValueError(f"suite: expected one of {', '.join(SUITES)}, or a file or folder, got {name!r}")
+        if path.suffix.lower() not in suffixes:
+            raise ValueError(f"suite {name!r}: expected a file that ends in {', '.join(suffixes)}")
+        return path.stem, (read_instance(path, options),)
+    known = ", ".join((*SUITES, *(f"{kind}:PATH" for kind in FILE_SUITES)))
+    raise ValueError(f"suite: expected one of {known}, or a file or folder, got {name!r}")
 
 
 def _overridden(instance: Instance, options: MachineOptions) -> Instance:
@@ -97,12 +134,14 @@ def _overridden(instance: Instance, options: MachineOptions) -> Instance:
 def suite_tasks(
     suite: Suite,
     rules: Rules,
-    methods: Sequence[str],
+    methods: Sequence[str] | None,
     *,
     seeds: int,
     time_limit: float | None = None,
 ) -> list[Task]:
     """Return the tasks of a suite: exact methods once, heuristics with seeds 0 .. seeds - 1.
+
+    Without ``methods`` each instance gets those of ``default_methods``.
 
     Raises
     ------
@@ -111,16 +150,16 @@ def suite_tasks(
     """
     if seeds < 1:
         raise ValueError(f"seeds: expected at least 1, got {seeds}")
-    if not methods:
+    if methods is not None and not methods:
         raise ValueError("methods: expected at least one, got none")
-    for method in methods:
+    for method in methods or ():
         require_known(method)
-        if methods.count(method) > 1:
+        if methods is not None and methods.count(method) > 1:
             raise ValueError(f"methods: {method!r} is named more than once")
     return [
         Task(instance, rules, method, seed, time_limit)
         for instance in suite.instances
-        for method in methods
+        for method in (default_methods((instance,), rules) if methods is None else methods)
         for seed in range(1 if is_exact(method) else seeds)
     ]
 

@@ -1,17 +1,20 @@
 """The published heuristics, and a modern yardstick."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from cutgap.heuristics.clustering import fuzzy_c_means, k_means
 from cutgap.heuristics.local_search import local_search
+from cutgap.heuristics.sides import has_tours, has_two_sides
 from cutgap.heuristics.task_balancing import task_balancing
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.progress import Watch, nobody
 
 
-class Heuristic(Protocol):
+class PlanMaker(Protocol):
     """Makes a plan; what it may break is for ``check`` to say. The same seed gives the same plan."""
 
     def __call__(
@@ -27,11 +30,39 @@ class Heuristic(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class Heuristic:
+    """A heuristic as methods and tables use it; it is called like its ``make``.
+
+    Parameters
+    ----------
+    make
+        Makes the plan.
+    applies
+        Whether it is meant for an instance and rules; a gap table leaves it out elsewhere unless it is named.
+    """
+
+    make: PlanMaker
+    applies: Callable[[Instance, Rules], bool]
+
+    def __call__(
+        self,
+        instance: Instance,
+        rules: Rules,
+        *,
+        rng: np.random.Generator,
+        watch: Watch = nobody,
+        time_limit: float | None = None,
+    ) -> Plan:
+        """Return a plan; ``time_limit`` in s."""
+        return self.make(instance, rules, rng=rng, watch=watch, time_limit=time_limit)
+
+
 HEURISTICS: dict[str, Heuristic] = {
-    "task-balancing": task_balancing,
-    "k-means": k_means,
-    "fuzzy-c-means": fuzzy_c_means,
-    "local-search": local_search,
+    "task-balancing": Heuristic(task_balancing, has_two_sides),
+    "k-means": Heuristic(k_means, has_two_sides),
+    "fuzzy-c-means": Heuristic(fuzzy_c_means, has_two_sides),
+    "local-search": Heuristic(local_search, has_tours),
 }
 
-__all__ = ["HEURISTICS", "Heuristic", "fuzzy_c_means", "k_means", "local_search", "task_balancing"]
+__all__ = ["HEURISTICS", "Heuristic", "PlanMaker", "fuzzy_c_means", "k_means", "local_search", "task_balancing"]

@@ -69,6 +69,26 @@ def require_two_sides(instance: Instance, method: str) -> None:
         )
 
 
+def has_two_sides(instance: Instance, rules: Rules) -> bool:
+    """Whether a partition in x of single entry points is asked for, under no process rule."""
+    try:
+        require_two_sides(instance, "")
+    except ValueError:
+        return False
+    return not rules.process
+
+
+def has_tours(instance: Instance, rules: Rules) -> bool:
+    """Whether tours through single entry points are asked for, under no process rule."""
+    if len(instance.heads) > 1 and rules.non_overlap is not None:
+        return has_two_sides(instance, rules)
+    try:
+        require_plain(instance, "")
+    except ValueError:
+        return False
+    return not rules.process and (instance.located or not rules.via_points)
+
+
 def contour_xs(instance: Instance) -> Floats:
     """Return x of each contour's entry point 0, mm."""
     return instance.points[instance.first_node[:-1], 0]

@@ -1,6 +1,6 @@
 """The gap table's columns, once for terminal and report: heading, definition, and how a cell reads."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from cutgap.benchmark.table import Summary, TableRow
@@ -38,6 +38,16 @@ def bound(row: TableRow) -> str:
     return f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}{claimed}"
 
 
+def published(row: TableRow) -> str:
+    """Return the published value: ``= value`` when it is the optimum, else with the bound if there is one."""
+    if row.published is None:
+        return NOTHING
+    value, lower_bound = row.published.value, row.published.lower_bound
+    if lower_bound is None:
+        return f"{value:g}"
+    return f"= {value:g}" if lower_bound >= value else f"{value:g} ≥ {lower_bound:g}"
+
+
 def seconds(value: float) -> str:
     """Return a time in s with three significant digits, at most three decimals."""
     return f"{value:.3f}" if value < 1 else f"{value:.2f}" if value < 10 else f"{value:.1f}"
@@ -65,8 +75,17 @@ def _head_time(head: int) -> Column:
     return _figure(f"T_{head + 1} [s]", definition, 1, get)
 
 
-def columns(heads: int) -> list[Column]:
-    """Return the columns for instances with up to that many heads."""
+PUBLISHED = Column(
+    "published",
+    "Best published value of the objective; =: published as the optimum; a ≥ b: with the best bound b.",
+    published,
+)
+
+
+def columns(rows: Sequence[TableRow]) -> list[Column]:
+    """Return the columns for rows: times of as many heads as there are, published values if there are any."""
+    heads = max((row.best.heads for row in rows), default=2)
+    is_published = any(row.published is not None for row in rows)
     return [
         Column("part", "Name of the instance.", lambda row: row.instance, numeric=False),
         Column("N", "Number of contours.", lambda row: str(row.contours)),
@@ -94,6 +113,7 @@ def columns(heads: int) -> list[Column]:
             "verified in exact arithmetic; claimed: by the solver alone.",
             bound,
         ),
+        *([PUBLISHED] if is_published else []),
         Column(
             "gap [%]",
             "(value - bound) / value of the best allowed run; none for a plan that breaks a rule.",

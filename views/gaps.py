@@ -39,7 +39,7 @@ def gaps(
     /,
     *,
     methods: Annotated[
-        str | None, Parameter(help="Names with commas between; by default auto and all heuristics.")
+        str | None, Parameter(help="Names with commas between; by default auto and all heuristics that apply.")
     ] = None,
     seeds: Annotated[int, Parameter(help="Runs of each heuristic, with seeds 0, 1, ...")] = 5,
     rules: RuleOptions = DEFAULT_RULES,
@@ -66,17 +66,20 @@ def gaps(
     Parameters
     ----------
     suite
-        Name of a shipped suite, an instance file, or a folder of instance files.
+        Name of a shipped suite; gtsp:PATH, pcgtsp:PATH or cutting-paths:PATH for published files of one kind,
+        which ask for the least travel; an instance file; or a folder of instance files.
     """
     require_time_limit(time_limit)
     require_one_place(jobs, dask)
-    chosen = default_methods() if methods is None else tuple(name.strip() for name in methods.split(","))
     found = find_suite(suite, machine.options())
-    tasks = suite_tasks(found, rules.rules(), chosen, seeds=seeds, time_limit=time_limit)
+    asked = rules.rules(found.rules)
+    named = None if methods is None else tuple(name.strip() for name in methods.split(","))
+    tasks = suite_tasks(found, asked, named, seeds=seeds, time_limit=time_limit)
     folder = open_folder(out if out is not None else RESULTS / found.name, resume=resume)
     say_what_is_there(folder, tasks)
     failures, stopped = run_all(tasks, folder, jobs, dask)
-    run = Run(found.name, rules.rules(), chosen, seeds, time_limit, len(tasks))
+    chosen = default_methods(found.instances, asked) if named is None else named
+    run = Run(found.name, asked, chosen, seeds, time_limit, len(tasks))
     for failure in failures:
         print(f"cutgap: failed: {failure}", file=sys.stderr)
     try:
@@ -94,7 +97,7 @@ def _publish(
 ) -> None:
     """Print the table of this command's runs, and write table and report."""
     records = folder.among(task.key for task in tasks)
-    rows = gap_table(records)
+    rows = gap_table(records, suite.published if run.rules == suite.rules else {})
     instances = {instance_hash(instance): instance for instance in suite.instances}
     write_atomically(folder.path / TABLE_NAME, table_csv(rows))
     write_atomically(folder.path / REPORT_NAME, report_html(run, records, rows, instances, failures))

@@ -1,6 +1,6 @@
 """Command-line options that several commands share, so that each has one name and one meaning."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -10,24 +10,31 @@ from cutgap.instances import Rules
 from cutgap.instances.formats import MachineOptions
 from cutgap.instances.rules import Objective
 
-File = Annotated[Path, Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, or a list x y z r.")]
+File = Annotated[
+    Path, Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, .gtsp, .pcglns, .txt ...")
+]
 PlanFile = Annotated[Path, Parameter(help="Plan, as written by solve --out.")]
 Json = Annotated[bool, Parameter(name="--json", help="Print JSON on stdout.")]
 TimeLimit = Annotated[float | None, Parameter(help="Limit of a run in s.")]
 Seed = Annotated[int, Parameter(help="Seed of the random numbers, at least 0.")]
 
 
+DEFAULTS = Rules()
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
+
+
+Choice = Annotated[bool | None, Parameter(negative=None)]
+"""A rule that can be asked for, called off, or left as it is."""
 
 
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)
 class RuleOptions:
-    """What is asked of a plan."""
+    """What is asked of a plan, instead of what a suite asks for by itself; without a suite, of the defaults."""
 
-    objective: Objective = "makespan"
-    """Time until the last head is done; sum of rapids; or travel + weight * imbalance."""
-    weight: float = 0.0
+    objective: Objective | None = None
+    """Time until the last head is done (makespan, by default); sum of rapids; travel + weight * imbalance."""
+    weight: float | None = None
     """Price of 1 s of imbalance in mm of travel, for the objective weighted."""
     balance: float | None = None
     """Largest imbalance in s."""
@@ -35,21 +42,21 @@ class RuleOptions:
     """Least partition gap in mm; 0, which allows touching, unless --overlap is given."""
     overlap: bool = False
     """Let the ranges of the heads overlap."""
-    via_points: bool = False
+    via_points: Choice = None
     """Each head cuts the leftmost contour of its range first."""
-    empty_heads: bool = False
+    empty_heads: Choice = None
     """Let a head stay without work."""
-    parts_in_one_go: bool = False
+    parts_in_one_go: Choice = None
     """A part, once begun, is finished before another part."""
-    neighbours_only: bool = False
+    neighbours_only: Choice = None
     """Go from a part only to one of its neighbours."""
-    clear_rapids: bool = False
+    clear_rapids: Choice = None
     """No rapid crosses a contour that is cut already."""
-    backward_price: float = 0.0
+    backward_price: float | None = None
     """Price in mm of travel of each mm of x that a rapid goes back."""
 
-    def rules(self) -> Rules:
-        """Return the rules.
+    def rules(self, base: Rules = DEFAULTS) -> Rules:
+        """Return ``base`` with what is given put in its place.
 
         Raises
         ------
@@ -58,18 +65,10 @@ class RuleOptions:
         """
         if self.overlap and self.non_overlap is not None:
             raise ValueError(f"--non-overlap {self.non_overlap:g} and --overlap: give one of them")
-        return Rules(
-            objective=self.objective,
-            weight=self.weight,
-            non_overlap=None if self.overlap else self.non_overlap or 0.0,
-            balance=self.balance,
-            via_points=self.via_points,
-            empty_heads=self.empty_heads,
-            parts_in_one_go=self.parts_in_one_go,
-            neighbours_only=self.neighbours_only,
-            clear_rapids=self.clear_rapids,
-            backward_price=self.backward_price,
-        )
+        given = {name: value for name, value in asdict(self).items() if name != "overlap" and value is not None}
+        if self.overlap:
+            given["non_overlap"] = None
+        return replace(base, **given)
 
 
 @Parameter(name="*")

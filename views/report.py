@@ -54,7 +54,7 @@ def report_html(
         Runs that raised an error.
     """
     template = Template(view_text("report.html"))
-    shown = columns(max((row.best.heads for row in rows), default=2))
+    shown = columns(rows)
     summaries = summarise(rows)
     return template.substitute(
         style=view_text("page.css"),
@@ -67,7 +67,7 @@ def report_html(
         table=_part_table(shown, rows),
         plans=_plans(rows, instances),
         definitions="\n".join(definition(column.heading, column.definition) for column in shown),
-        provenance="\n".join(definition(*pair) for pair in _provenance(run, records)),
+        provenance="\n".join(definition(*pair) for pair in _provenance(run, records, rows)),
     )
 
 
@@ -170,7 +170,7 @@ def _plan_caption(row: TableRow) -> str:
     return f"{text}, proven optimum" if row.gap == 0 else f"{text}, gap {percent(row.gap)} %"
 
 
-def _provenance(run: Run, records: Sequence[Record]) -> list[tuple[str, str]]:
+def _provenance(run: Run, records: Sequence[Record], rows: Sequence[TableRow]) -> list[tuple[str, str]]:
     """Return what is needed to make the page again; nothing of it tells of a machine but the times."""
     versions: dict[str, set[str]] = {}
     for record in records:
@@ -178,6 +178,7 @@ def _provenance(run: Run, records: Sequence[Record]) -> list[tuple[str, str]]:
             versions.setdefault(name, set()).add(version)
     limit = "none" if run.time_limit is None else f"{run.time_limit:g} s a run"
     names = {record.instance_hash: record.instance for record in records}
+    sources = sorted({source for row in rows if row.published is not None for source in row.published.sources})
     return [
         ("Suite", run.suite),
         ("Rules", describe(run.rules)),
@@ -186,6 +187,7 @@ def _provenance(run: Run, records: Sequence[Record]) -> list[tuple[str, str]]:
         ("Time limit", limit),
         ("Figures", "Recomputed from instance and plan alone; each plan was checked against every rule."),
         ("Gaps", "Against the best bound proved by an exact method for the same instance and rules."),
+        *([("Published values", ", ".join(sources))] if sources else []),
         ("Versions", ", ".join(f"{name} {' / '.join(sorted(found))}" for name, found in versions.items())),
         ("Instances (hash of the content)", ", ".join(f"{name} {key}" for key, name in names.items())),
     ]

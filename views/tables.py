@@ -32,7 +32,7 @@ def print_gaps(rows: Sequence[TableRow]) -> None:
 
 def _gap_table(rows: Sequence[TableRow], title: str) -> Table:
     table = Table(title=Text(title), title_justify="left")
-    shown = columns(max(row.best.heads for row in rows))
+    shown = columns(rows)
     for column in shown:
         table.add_column(Text(column.heading), justify="right" if column.numeric else "left")
     before = None
