@@ -42,7 +42,7 @@ def convert(source: File, target: Path, /, *, machine: MachineArguments = FILE_M
     Parameters
     ----------
     target
-        File to write: .json, .csv, .tsp or .atsp.
+        File to write: .json, .csv, .tsp, .atsp, .gtsp or .pcglns.
     """
     write_instance(read_instance(source, machine.options()), target)
     return 0
