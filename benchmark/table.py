@@ -10,7 +10,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean, median
-from types import MappingProxyType
 
 from cutgap.benchmark.best_known import BestKnown
 from cutgap.benchmark.records import Record
@@ -103,13 +102,13 @@ class Summary:
         return min(self.gaps), fmean(self.gaps), median(self.gaps), max(self.gaps)
 
 
-def gap_table(
-    records: Iterable[Record], published: Mapping[str, BestKnown] = MappingProxyType({})
-) -> list[TableRow]:
+def gap_table(records: Iterable[Record], published: Mapping[str, BestKnown] | None = None) -> list[TableRow]:
     """Return the table's rows, instances and methods in the order in which they appear.
 
     Parameters
     ----------
+    records
+        Finished runs.
     published
         What is published about instances under the rules of the records, by their names.
 
@@ -131,7 +130,7 @@ def gap_table(
         )
         best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
         proved = bound is not None and best is not None and best <= bound + slack(best)
-        known = published.get(every[0].instance)
+        known = (published or {}).get(every[0].instance)
         rows += [
             replace(_table_row(group, bound, proved, certified), published=known) for group in methods.values()
         ]

@@ -44,8 +44,8 @@ def published(row: TableRow) -> str:
         return NOTHING
     value, lower_bound = row.published.value, row.published.lower_bound
     if lower_bound is None:
-        return f"{value:g}"
-    return f"= {value:g}" if lower_bound >= value else f"{value:g} ≥ {lower_bound:g}"
+        return f"{value:.10g}"
+    return f"= {value:.10g}" if lower_bound >= value else f"{value:.10g} ≥ {lower_bound:.10g}"
 
 
 def seconds(value: float) -> str:

@@ -21,12 +21,12 @@ Arcs marked -1. An ordering that puts set a before set b forbids to go from b st
 -1 for these arcs. Here the length of the way back, from a to b, is stored in its place; no allowed plan uses
 it. A -1 anywhere else is refused. Without a start set, and into it, the way home can use the arc: refused too.
 
-Cutting paths. Their ``EUC_2D`` is read as exact Euclidean length, not rounded: coordinates are mm with many
-decimals, no published value depends on rounding, and a rapid is real length; rounded lengths differ by at most
-0.5 mm a rapid. The points of a set run around its contour (so do all published ones: simple polygons, which
-enclose each other just as the ordering says, inner before outer), so the closed polygon through them is kept
-as geometry where it does not cross itself, and its length is the perimeter: on curves a little short of the
-true one.
+Cutting paths. Their ``EUC_2D`` is read as exact Euclidean length, not rounded: their authors call it "2D
+Euclidean", coordinates are mm with many decimals, and no published value depends on rounding. Rounded lengths
+differ by at most 0.5 mm a rapid. The points of a set run around its contour; the published sets are simple
+polygons that enclose each other just as their ordering says, inner before outer. So the closed polygon through
+the points is kept as geometry where it does not cross itself. Its length is the perimeter: on curves a little
+short of the true one.
 
 Source: Fischetti, Salazar, Toth (1997) for GTSPLIB; Khachay, Kudriavtsev, Petunin (2020) for PCGLNS.
 """
