@@ -41,6 +41,12 @@ def frozen_array(values: Any, name: str, columns: int | None = None) -> Floats:
     return array
 
 
+def closed_length(points: Floats) -> float:
+    """Return the length of the closed polyline through points, the last joined to the first; inf if too long."""
+    with np.errstate(over="ignore"):
+        return float(np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum())
+
+
 def difference(smaller: float, larger: float) -> float:
     """Return ``larger - smaller`` as their decimal texts mean it: 0.3 - 0.1 is 0.2, not 0.19999999999999998.
 

@@ -14,6 +14,8 @@ Geometry follows arcs within ``FLATNESS``, by at most ``MOST_CHORDS``; perimeter
 """
 
 import math
+from collections import defaultdict
+from collections.abc import Iterator
 from itertools import count
 from typing import Annotated, Any
 
@@ -32,6 +34,8 @@ FLATNESS = 0.05
 """Largest distance in mm of an arc from its polyline."""
 MOST_CHORDS = 1000
 """Most chords of one arc."""
+FARTHEST = 1e9
+"""Largest coordinate that is read, mm, and largest bulge."""
 STRAIGHT = 1e-9
 """Bulges up to this are straight: the arc leaves its chord by less than a nanometre per m."""
 
@@ -89,12 +93,16 @@ def _refuse_overlaps(curves: list[Floats], places: list[str]) -> None:
 
 def _unique(names: list[str]) -> list[str]:
     """Number the names that appear again."""
+    numbers: dict[str, Iterator[int]] = defaultdict(lambda: count(2))
     found: list[str] = []
+    taken, seen = set(names), set()
     for name in names:
-        numbered = (f"{name}-{number}" for number in count(2))
-        found.append(
-            name if name not in found else next(each for each in numbered if each not in (*names, *found))
-        )
+        title = name
+        if name in seen:
+            title = next(each for number in numbers[name] if (each := f"{name}-{number}") not in taken)
+            taken.add(title)
+        seen.add(name)
+        found.append(title)
     return found
 
 
@@ -110,6 +118,9 @@ def _length(path: Floats) -> float:
 
 def _curve(path: Floats, place: str) -> Floats:
     """Return the closed polyline of a path, shape (points, 2), mm, its first point not repeated."""
+    if (np.abs(path) > FARTHEST).any():
+        far = path.flat[np.abs(path).argmax()]
+        raise ValueError(f"{place}: {far:g} is no coordinate in mm or bulge; expected up to {FARTHEST:g}")
     if (path[0, :2] != path[-1, :2]).any():
         (x, y, _), (u, v, _) = path[0].tolist(), path[-1].tolist()
         raise ValueError(f"{place}: open, from {x:g}, {y:g} to {u:g}, {v:g}; end it where it begins")

@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from cutgap.instances.arrays import closed_length
 from cutgap.instances.formats.json_models import Length, Number, Positive
 from cutgap.instances.formats.json_text import fit
 from cutgap.instances.formats.options import MachineOptions
@@ -126,7 +127,7 @@ def _cut(contour: _Contour, outer: _Contour | None, depth: int) -> Contour:
                 "starts and ends at the point of piercing; export the points on the contour"
             )
     points = np.array([(point.X, point.Y, 0.0) for point in contour.Points])
-    perimeter = float(np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum())
+    perimeter = closed_length(points)
     if outer is not None and depth % 2 == 1:
         return Contour(str(contour.Index), points, perimeter, str(outer.Index), "inner")
     return Contour(str(contour.Index), points, perimeter, str(contour.Index), "outer")

@@ -39,7 +39,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from cutgap.instances.arrays import Floats
+from cutgap.instances.arrays import Floats, closed_length
 from cutgap.instances.formats.gtsp_sets import ORDERING, SETS, START, NodeSets, parse_sets
 from cutgap.instances.formats.options import MachineOptions
 from cutgap.instances.formats.tsplib import (
@@ -117,9 +117,8 @@ def _with_start(sets: NodeSets, kind: str) -> NodeSets:
 def _contour(name: str, points: Floats, *, outlined: bool) -> Contour:
     if not outlined:
         return Contour(name, points, 0.0)
-    perimeter = float(np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum())
-    outline = points[:, :2]
-    simple = len(outline) > 2 and shapely.LinearRing(outline).is_simple
+    perimeter, outline = closed_length(points), points[:, :2]
+    simple = len(outline) > 2 and perimeter < np.inf and shapely.LinearRing(outline).is_simple
     return Contour(name, points, perimeter, geometry=outline if simple else None)
 
 

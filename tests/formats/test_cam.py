@@ -229,6 +229,7 @@ def test_parts_of_one_name_never_share_it(tmp_path):
         ([{"partid": "a", "paths": [[]]}], r"\[0\]\.paths\[0\]: .*at least 3"),
         ([{"partid": "a", "paths": [[[0, 0], [1, 1], [0, 0]]]}], r"\[0\]\.paths\[0\]\[0\]: .*at least 3"),
         ([{"partid": "a", "paths": [box(0, math.nan)]}], r"\[0\]\.paths\[0\]\[1\]\[0\]: .*finite"),
+        ([{"partid": "a", "paths": [box(0, 1e300)]}], r"part 'a', path 1: 1e\+300 is no coordinate"),
         ([DISC, {"paths": [box(0, 1)]}], r"\[1\]\.partid: missing"),
         ([DISC | {"count": 2}], r"\[0\]\.count: unknown field"),
     ],
@@ -243,7 +244,7 @@ def test_parts_need_a_home(tmp_path):
         read(tmp_path, PARTS)
 
 
-@pytest.mark.parametrize("chord", [1e-3, 1e3, 1e12])
+@pytest.mark.parametrize("chord", [1e-3, 1e3, 1e9])
 def test_arcs_of_any_size_have_few_chords(tmp_path, chord):
     path = [[0, 0, 1.0], [chord, 0, 1.0], [0, 0, 0]]
     contour = read(tmp_path, [{"partid": "a", "paths": [path]}], HOME).contours[0]

@@ -256,6 +256,10 @@ BAD_FILES = [
         r"from node 3 to node 2: -1 without a start set, so the arc may close the tour",
     ),
     (
+        document("PCGTSP", 4, [[1], [2, 3, 4]], points=[(0, 0), (1e308, 0), (0, 1e308), (-1e308, -1e308)]),
+        r"contour '2', perimeter: expected a finite number",
+    ),
+    (
         document("PCGTSP", 2, [[1], [2]], points=[(0, 0, 0), (1, 1, 1)]),
         r"line 6, NODE_COORD_SECTION: EUC_2D has no z; give x and y",
     ),
