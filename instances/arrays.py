@@ -42,7 +42,7 @@ def frozen_array(values: Any, name: str, columns: int | None = None) -> Floats:
 
 
 def closed_length(points: Floats) -> float:
-    """Return the length of the closed polyline through points, the last joined to the first; inf if too long."""
+    """Return the length of the closed polyline through points, the last joined to the first (may be inf)."""
     with np.errstate(over="ignore"):
         return float(np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum())
 
