@@ -148,7 +148,9 @@ class Programme:
     def _reached(self, paid: list[Row], b: int, k: int) -> Row:
         least = self._nothing(b)
         for a, row in enumerate(paid):
-            if self._allowed(b, k) and self._may_precede(a, k - 1, b, self.walks.mates[b]):
+            # Coming from another part, all mates of b are still to be cut.
+            ahead = 0 if self.walks.mates[b] >> a & 1 else self.walks.mates[b]
+            if self._allowed(b, k) and self._may_precede(a, k - 1, b, ahead):
                 self.budget.spend(len(row) * len(least) + 10)
                 least = list(map(min, least, [min(map(add, leg, row)) for leg in self.walks.steps[a][b]]))
         return least

@@ -33,6 +33,8 @@ STALL_STEPS, STALL_SHARE = 12, 0.03
 GUESS = 0.03
 """Share by which a bound is hoped to rise while no limit is known."""
 START_MEMBERS = 4
+GROWTH = 3
+"""Most members that a memory gains in a round."""
 CELLS = 60_000_000
 """Most numbers in the table of a forward pass."""
 
@@ -187,7 +189,8 @@ class Ascent:
         sizes = np.diff(self.walks.first)
         for contour, holders in sorted(set(forgotten), key=lambda each: len(each[1])):
             for holder in holders:
-                if contour not in grown[holder] and len(grown[holder]) < MOST_MEMBERS:
+                most = min(MOST_MEMBERS, len(self.members[holder]) + GROWTH)
+                if contour not in grown[holder] and len(grown[holder]) < most:
                     cells = sum(int(size) << len(each) for size, each in zip(sizes, grown, strict=True))
                     if self.walks.count * (cells + (int(sizes[holder]) << len(grown[holder]))) <= CELLS:
                         grown[holder].add(contour)

@@ -7,7 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from certificate import battery_problem, battery_rows, battery_split, battery_whole  # noqa: F401, they enter their checks
+from certificate import (  # noqa: F401, they enter their checks
+    battery_contours,
+    battery_problem,
+    battery_rows,
+    battery_split,
+    battery_whole,
+)
 from certificate.battery import CHECKS
 from certificate.mutants import MUTANTS, Mutant
 from cutgap.formulations import certificate

@@ -1,0 +1,225 @@
+"""Checks of proofs by dynamic programming: whatever the hints, they prove the optimum and no more."""
+
+import copy
+import json
+import math
+from dataclasses import asdict, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.entry_tours import best_plan
+from oracles.random_instances import random_instance
+from oracles.random_sheets import random_sheet
+
+from certificate.battery import battery
+from cutgap.instances import Contour, Head, Instance, Rules
+from cutgap.instances.formats.json_format import format_instance
+
+SCALE = 1000
+SWITCHES = ("parts_in_one_go", "neighbours_only", "clear_rapids")
+BEYOND = r"below the bound|costs nothing"
+Sample = tuple[Instance, Rules, float]
+
+
+@cache
+def samples() -> list[Sample]:
+    """Instances with entry points under all rules, and their optima by brute force, mm."""
+    drawn = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        asked = dict.fromkeys(SWITCHES, False)
+        if seed % 3:
+            instance = random_sheet(rng, int(rng.integers(1, 5)), homes=None, entries=2)
+            asked = {name: bool(rng.integers(2)) for name in SWITCHES}
+        else:
+            metric = ("euclidean", "chebyshev", "matrix")[seed // 3 % 3]
+            instance = random_instance(
+                rng, 4, heads=1, homes=None, entries=2, metric=metric, precedence=float(rng.choice([0.0, 0.3]))
+            )
+        price = 0.75 if instance.matrix is None and rng.integers(2) else 0.0
+        rules = Rules("travel", backward_price=price, **asked)
+        best = best_plan(instance, rules)
+        if best is not None:
+            drawn.append((instance, rules, best.value))
+    return [*drawn, *(special_samples())]
+
+
+def special_samples() -> list[Sample]:
+    """Squares in a row, where rules on curves make the far one dear; a part left and come back to."""
+    corners = np.array([[0.0, 0, 0], [30, 0, 0], [30, 30, 0], [0, 30, 0]])
+    home = (Head("h", np.array([-100.0, 10.0, 0.0])),)
+    found = []
+    for order in ("abc", "bac", "cab"):
+        row = tuple(
+            Contour(
+                name,
+                corners[2:] + 50.0 * "abc".index(name) * np.array([1, 0, 0]),
+                120.0,
+                geometry=(corners + 50.0 * "abc".index(name) * np.array([1, 0, 0]))[:, :2],
+            )
+            for name in order
+        )
+        for switch in ("neighbours_only", "clear_rapids"):
+            for heads in (home, (Head("h"),)):
+                for price in (0.0, 3.0):
+                    instance = Instance("row", row, heads)
+                    rules = Rules("travel", backward_price=price, **{switch: True})
+                    found.append((instance, rules))
+    xs = {"p": (0.0, "1"), "q": (400.0, "1"), "r": (100.0, None), "s": (300.0, None)}
+    parts = tuple(Contour(n, np.array([[x, 0, 0], [x, 5, 0]]), 1.0, part=part) for n, (x, part) in xs.items())
+    for heads in (home, (Head("h"),)):
+        for pairs in ((), ((0, 1),), ((3, 2),)):
+            found.append(
+                (Instance("parts", parts, heads, precedence=pairs), Rules("travel", parts_in_one_go=True))
+            )
+    best = [(instance, rules, best_plan(instance, rules)) for instance, rules in found]
+    return [(instance, rules, plan.value) for instance, rules, plan in best if plan is not None]
+
+
+def document_of(instance: Instance) -> dict[str, Any]:
+    document: dict[str, Any] = json.loads(format_instance(instance))
+    return document
+
+
+def proof_of(rng: np.random.Generator, instance: Instance, every: bool) -> dict[str, Any]:
+    """Random prices and memories for every beginning, or for those that suffice."""
+    count = len(instance.contours)
+    firsts: list[Any] = [None]
+    if instance.heads[0].home is None:
+        later = {after for _, after in instance.precedence}
+        contours = [c for c in range(count) if c not in later] if every else [int(rng.integers(count))]
+        firsts = [
+            [instance.contours[c].id, e]
+            for c in contours
+            for e in range(len(instance.contours[c].entry_points))
+        ]
+    walks = []
+    for first in firsts:
+        memories = [np.flatnonzero(rng.random(count) < rng.random()).tolist() for _ in range(count)]
+        prices = rng.integers(-100 * SCALE, 100 * SCALE, count).tolist()
+        walks.append({"first": first, "prices": prices, "memories": memories})
+    return {"kind": "contour-dp", "walks": walks}
+
+
+def certificate_of(instance: Instance, rules: Rules, digest: str, bound: int, proof: Any) -> dict[str, Any]:
+    return {
+        "format": "cutgap-certificate",
+        "version": 1,
+        "instance": digest,
+        "rules": asdict(rules),
+        "scale": SCALE,
+        "multiplier_scale": 1,
+        "bound": bound,
+        "plan": None,
+        "proof": proof,
+    }
+
+
+def turns(instance: Instance, rules: Rules) -> bool:
+    """Whether a closed tour may be turned."""
+    return not instance.precedence and not rules.process
+
+
+@battery
+def contour_proofs_reach_the_optimum_and_no_more(api: Any) -> None:
+    for number, (instance, rules, optimum) in enumerate(samples()):
+        rng = np.random.default_rng(number)
+        document = document_of(instance)
+        digest = api.problem_of(document).digest
+        whole = instance.matrix is not None
+        # Each leg, and each price of going back, is rounded down by less than 1.
+        lost = 0 if whole else 2 * len(instance.contours) + 2
+        proof = proof_of(rng, instance, not turns(instance, rules) or bool(rng.integers(2)))
+        reached = max(0, math.floor(optimum * SCALE + 1e-6) - lost)
+        api.verify(certificate_of(instance, rules, digest, reached, proof), document)
+        beyond = certificate_of(instance, rules, digest, math.floor(optimum * SCALE + 1e-6) + 1, proof)
+        with pytest.raises(api.Refused, match=BEYOND):
+            api.verify(beyond, document)
+
+
+@battery
+def makespans_count_the_work(api: Any) -> None:
+    for number, (instance, rules, _) in enumerate(samples()[:20]):
+        timed = replace(rules, objective="makespan", backward_price=0.0)
+        best = best_plan(instance, timed)
+        assert best is not None
+        document = document_of(instance)
+        digest, unit = api.problem_of(document).digest, SCALE * instance.machine.v_jump
+        proof = proof_of(np.random.default_rng(number), instance, True)
+        reached = math.floor(best.value * unit) - 2 * len(instance.contours) - 4
+        api.verify(certificate_of(instance, timed, digest, reached, proof), document)
+        with pytest.raises(api.Refused, match=BEYOND):
+            api.verify(
+                certificate_of(instance, timed, digest, math.floor(best.value * unit) + 2, proof), document
+            )
+
+
+@battery
+def beginnings_are_not_left_out(api: Any) -> None:
+    seen = 0
+    for number, (instance, rules, _) in enumerate(samples()):
+        if instance.heads[0].home is not None:
+            continue
+        document = document_of(instance)
+        digest = api.problem_of(document).digest
+        proof = proof_of(np.random.default_rng(number), instance, not turns(instance, rules))
+        api.verify(certificate_of(instance, rules, digest, 0, proof), document)
+        for place in range(len(proof["walks"])):
+            less = copy.deepcopy(proof)
+            del less["walks"][place]
+            with pytest.raises(api.Refused, match="left out"):
+                api.verify(certificate_of(instance, rules, digest, 0, less), document)
+            seen += 1
+    assert seen > 20
+
+
+FORGED: list[tuple[str, Any, str]] = [
+    ("walks", 5, "list"),
+    ("first", "c0", "list"),
+    ("first", ["x", 0], "no contour"),
+    ("first", ["c0", 99], "no entry point"),
+    ("first", ["c0", -1], "at least"),
+    ("prices", [0], "entries"),
+    ("prices", [0.5, 0, 0, 0], "whole number"),
+    ("memories", [[]], "entries"),
+    ("memories", [[4], [], [], []], "numbers of contours"),
+    ("memories", [[-1], [], [], []], "numbers of contours"),
+    ("memories", [[True], [], [], []], "numbers of contours"),
+    ("extra", 0, "unknown field"),
+]
+
+
+@battery
+def forged_contour_proofs_are_refused(api: Any) -> None:
+    instance = random_instance(np.random.default_rng(1), 4, heads=1, homes=True, entries=2, metric="matrix")
+    document, rules = document_of(instance), Rules("travel")
+    digest = api.problem_of(document).digest
+    good = {"first": None, "prices": [0] * 4, "memories": [[]] * 4}
+    api.verify(certificate_of(instance, rules, digest, 0, {"kind": "contour-dp", "walks": [good]}), document)
+    for field, value, message in FORGED:
+        proof = {"kind": "contour-dp", "walks": value if field == "walks" else [{**good, field: value}]}
+        with pytest.raises(api.Refused, match=message):
+            api.verify(certificate_of(instance, rules, digest, 0, proof), document)
+    twice = {"kind": "contour-dp", "walks": [good, good]}
+    with pytest.raises(api.Refused, match="there already"):
+        api.verify(certificate_of(instance, rules, digest, 0, twice), document)
+    none = certificate_of(instance, rules, digest, 0, {"kind": "contour-dp", "walks": [good]}) | {"bound": None}
+    with pytest.raises(api.Refused, match="bounds"):
+        api.verify(none, document)
+    two = replace(instance, heads=(Head("l"), Head("r")), matrix=instance.matrix[:-1, :-1])
+    document = document_of(two)
+    digest = api.problem_of(document).digest
+    proof = {"kind": "contour-dp", "walks": [good]}
+    with pytest.raises(api.Refused, match="one head"):
+        api.verify(certificate_of(two, Rules("travel", non_overlap=None), digest, 0, proof), document)
+
+
+@battery
+def curves_are_needed_for_rules_on_curves(api: Any) -> None:
+    instance = random_instance(np.random.default_rng(2), 3, heads=1, homes=True, entries=2)
+    document, rules = document_of(instance), Rules("travel", clear_rapids=True)
+    proof = proof_of(np.random.default_rng(0), instance, True)
+    with pytest.raises(api.Refused, match="no geometry"):
+        api.verify(certificate_of(instance, rules, api.problem_of(document).digest, 0, proof), document)
