@@ -62,6 +62,7 @@ def check_contours(problem: Problem, rules: Rules, proof: Any, target: int, scal
     unit = length_unit(problem, rules, scale)
     limit = (target - 1) // unit * unit + 1
     for first, item in given.items():
+        require(first is not None or problem.homes[0] is not None, "walks: the head has no home to begin at")
         walks = walks_from(problem, rules, first, scale)
         prices, memories = _hints(walks, problem, item)
         barred = Barred(problem, rules, walks, first, curves)

@@ -5,17 +5,20 @@ import json
 import math
 from dataclasses import asdict, replace
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 from oracles.entry_tours import best_plan
+from oracles.exact_sheet import _meet
 from oracles.random_instances import random_instance
 from oracles.random_sheets import random_sheet
 
 from certificate.battery import battery
 from cutgap.instances import Contour, Head, Instance, Rules
 from cutgap.instances.formats.json_format import format_instance
+from cutgap.instances.nesting import enclosures
 
 SCALE = 1000
 SWITCHES = ("parts_in_one_go", "neighbours_only", "clear_rapids")
@@ -48,19 +51,10 @@ def samples() -> list[Sample]:
 
 def special_samples() -> list[Sample]:
     """Squares in a row, where rules on curves make the far one dear; a part left and come back to."""
-    corners = np.array([[0.0, 0, 0], [30, 0, 0], [30, 30, 0], [0, 30, 0]])
     home = (Head("h", np.array([-100.0, 10.0, 0.0])),)
     found = []
     for order in ("abc", "bac", "cab"):
-        row = tuple(
-            Contour(
-                name,
-                corners[2:] + 50.0 * "abc".index(name) * np.array([1, 0, 0]),
-                120.0,
-                geometry=(corners + 50.0 * "abc".index(name) * np.array([1, 0, 0]))[:, :2],
-            )
-            for name in order
-        )
+        row = tuple(square(name, "abc".index(name)) for name in order)
         for switch in ("neighbours_only", "clear_rapids"):
             for heads in (home, (Head("h"),)):
                 for price in (0.0, 3.0):
@@ -74,8 +68,25 @@ def special_samples() -> list[Sample]:
             found.append(
                 (Instance("parts", parts, heads, precedence=pairs), Rules("travel", parts_in_one_go=True))
             )
+    # Only neighbours make the order a, c, b of a row impossible, which a price of going back makes the best.
+    row = tuple(square("abc"[i], i) for i in range(3))
+    rules = Rules("travel", neighbours_only=True, backward_price=3.0)
+    found.append((Instance("row", row, home, precedence=((2, 1),)), rules))
+    # From right to left to right, which positions alone do not tell.
+    line = tuple(Contour(f"c{x}", np.array([[100.0 * x, 0, 0]]), 1.0) for x in range(5))
+    found += [(Instance("line", line, home, precedence=((4, 0), (0, 3))), Rules("travel"))] * 5
+    for seed in range(5):
+        halves = random_instance(np.random.default_rng(seed), 4, heads=1, entries=2, metric="matrix")
+        assert halves.matrix is not None
+        found.append((replace(halves, matrix=halves.matrix / 2), Rules("travel")))
     best = [(instance, rules, best_plan(instance, rules)) for instance, rules in found]
     return [(instance, rules, plan.value) for instance, rules, plan in best if plan is not None]
+
+
+def square(name: str, place: int) -> Contour:
+    """A square of a row, to be entered at its upper corners."""
+    corners = np.array([[0.0, 0, 0], [30, 0, 0], [30, 30, 0], [0, 30, 0]]) + place * np.array([50.0, 0, 0])
+    return Contour(name, corners[2:], 120.0, geometry=corners[:, :2])
 
 
 def document_of(instance: Instance) -> dict[str, Any]:
@@ -97,7 +108,8 @@ def proof_of(rng: np.random.Generator, instance: Instance, every: bool) -> dict[
         ]
     walks = []
     for first in firsts:
-        memories = [np.flatnonzero(rng.random(count) < rng.random()).tolist() for _ in range(count)]
+        share = rng.choice([0.0, 0.5, 1.0])
+        memories = [np.flatnonzero(rng.random(count) < share).tolist() for _ in range(count)]
         prices = rng.integers(-100 * SCALE, 100 * SCALE, count).tolist()
         walks.append({"first": first, "prices": prices, "memories": memories})
     return {"kind": "contour-dp", "walks": walks}
@@ -223,3 +235,32 @@ def curves_are_needed_for_rules_on_curves(api: Any) -> None:
     proof = proof_of(np.random.default_rng(0), instance, True)
     with pytest.raises(api.Refused, match="no geometry"):
         api.verify(certificate_of(instance, rules, api.problem_of(document).digest, 0, proof), document)
+
+
+@battery
+def segments_meet_where_they_should(api: Any) -> None:
+    rng = np.random.default_rng(0)
+    seen = {True: 0, False: 0}
+    for _ in range(3000):
+        p, q, a, b = (tuple(row) for row in rng.integers(0, 4, (4, 2)).tolist())
+        if p == q or a == b:
+            continue
+        met = _meet(p, q, a, b)
+        seen[met] += 1
+        assert api.curves.meet(p, q, a, b) == met
+    assert min(seen.values()) > 100
+
+
+@battery
+def curves_lie_in_curves(api: Any) -> None:
+    seen = 0
+    for seed in range(12):
+        sheet = random_sheet(np.random.default_rng(seed), 6, nested=0.8)
+        if seed == 0:  # of two equal curves the later one lies in the first
+            sheet = replace(sheet, contours=(*sheet.contours, replace(sheet.contours[0], id="again")))
+        curves = api.curves.Curves(api.problem_of(document_of(sheet)), api.proof.Budget())
+        around = enclosures([contour.geometry for contour in sheet.contours])
+        for inner, outer in product(range(len(around)), repeat=2):
+            assert curves._lies_in(inner, outer) == (outer in around[inner])
+            seen += outer in around[inner]
+    assert seen > 20

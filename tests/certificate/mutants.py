@@ -21,6 +21,8 @@ STRONG = "the_strongest_split_proof_proves_no_more_than_the_optimum"
 METRIC = "detours_of_a_matrix_are_tried_both_ways"
 REACHED = "the_strongest_split_proof_reaches_the_optimum"
 
+CONTOURS = "contour_proofs_reach_the_optimum_and_no_more"
+
 MUTANTS = [
     # problem.py
     *mutants(
@@ -337,4 +339,78 @@ MUTANTS = [
     ),
     Mutant("plan.py", "require(one_head", "require(True", "precedence_between_heads_is_not_valued"),
     Mutant("plan.py", "problem.length_key(u, v)", "(u, v)", "equal_tours_balance_exactly"),
+    # walks.py, contour_dp.py, barred.py, curves.py
+    *mutants(
+        "walks.py",
+        CONTOURS,
+        ("max(Fraction(0), x[node] - x[other])", "max(Fraction(0), x[other] - x[node])"),
+        ("return step_costs(problem, rules, base, others, scale) if is_entry else", "return"),
+        ("problem.lengths(v, [base], scale)", "problem.lengths(base, [v], scale)"),
+        ("before[first] | 1 << first", "0"),
+        ("part == parts[a] and other != a", "part == parts[a]"),
+        ("== part) or everything", "== part) * 0 or everything"),
+        ("unit // problem.denominator", "unit"),
+    ),
+    *mutants(
+        "walks.py",
+        "beginnings_are_not_left_out",
+        ("if contour not in later", "if contour in later"),
+        ("return choices", "return [[]]"),
+    ),
+    *mutants(
+        "contour_dp.py",
+        CONTOURS,
+        ("(target - 1) // unit * unit + 1", "target // unit * unit + 1"),
+        ("self.limit = limit + sum(prices)", "self.limit = limit"),
+        ("value if whole < self.limit else", "value if whole <= self.limit - 5000 else"),
+        ("cut & self.memories[a]", "self.memories[a]"),
+        ("self.walks.before[b] & ~cut", "False"),
+        ("not mates >> b & 1 and mates & ~cut", "False"),
+        ("self.walks.before[a] & later", "self.after[a] & later"),
+        ("ahead = 0 if self.walks.mates[b] >> a & 1 else", "ahead ="),
+        ("& ~(1 << a) | walks.mates[a]", "& ~(1 << a)"),
+        ("mates[b] & ~memory == 0 and", "mates[a] & ~memory == 0 and"),
+        ("self.limit - self.prices[a] - value", "self.limit - value - 50000"),
+        ("price + value for value in row", "value for value in row"),
+        ("self.walks.openers >> a & 1", "True"),
+        ("self.count - 1 - later", "self.count - 2 - later"),
+    ),
+    *mutants(
+        "contour_dp.py",
+        "forged_contour_proofs_are_refused",
+        ("require(first not in given", "require(True"),
+        ("type(contour) is int and 0 <= contour", "0 <= contour"),
+        ('< len(nodes), f"first', '< 99 + len(nodes), f"first'),
+    ),
+    Mutant("contour_dp.py", "require(covered", "require(True", "beginnings_are_not_left_out"),
+    Mutant("checker.py", "floor(work) if rules.objective", "0 if rules.objective", "makespans_count_the_work"),
+    *mutants(
+        "barred.py",
+        CONTOURS,
+        ("parts[one] == parts[other]:", "True:"),
+        ("& cut != 0", "& 0 != 0"),
+    ),
+    *mutants(
+        "curves.py",
+        CONTOURS,
+        ("SHARE * a + step[0]", "SHARE * a"),
+        ("if one * two > 0:", "if one * two >= 0:"),
+        ("~(self.own(a) | self.own(b))", "~0"),
+    ),
+    *mutants(
+        "curves.py",
+        "segments_meet_where_they_should",
+        ("return _between(p, q, a) or", "return False and"),
+        ("or _between(a, b, p)", ""),
+        ("(area > 0) - (area < 0)", "(area > 0) + (area < 0)"),
+        ("if three * four > 0:", "if three * four >= 0:"),
+    ),
+    *mutants(
+        "curves.py",
+        "curves_lie_in_curves",
+        ("(left > 0) == (by > ay)", "left > 0"),
+        ("(sizes[1], -outer) <= (sizes[0], -inner)", "(sizes[1], outer) <= (sizes[0], inner)"),
+        ("return _inside(point, self.edges[outer])", "return not _inside(point, self.edges[outer])"),
+    ),
+    Mutant("curves.py", "require(bool(curve)", "require(True", "curves_are_needed_for_rules_on_curves"),
 ]
