@@ -2,10 +2,14 @@
 
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib.metadata import version
+from typing import TextIO
 
 from cyclopts import App, CycloptsError, Parameter
+
+from cutgap.instances.formats.options import FormatNote
 
 GOOD, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
@@ -34,7 +38,9 @@ for order, (name, (function, summary)) in enumerate(COMMANDS.items()):
 def main(tokens: Sequence[str] | None = None) -> int:
     """Run a command line (``sys.argv`` by default) and return the exit code."""
     try:
-        code = app(tokens, exit_on_error=False, print_error=False)
+        with warnings.catch_warnings():
+            _print_notes()
+            code = app(tokens, exit_on_error=False, print_error=False)
         sys.stdout.flush()
         return GOOD if code is None else int(code)
     except BrokenPipeError:
@@ -47,6 +53,27 @@ def main(tokens: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("cutgap: interrupted", file=sys.stderr)
         return INTERRUPTED
+
+
+def _print_notes() -> None:
+    """Have notes of readers printed like the messages of commands; other warnings stay as they are."""
+    others = warnings.showwarning
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if issubclass(category, FormatNote):
+            print(f"cutgap: note: {message}", file=sys.stderr)
+        else:
+            others(message, category, filename, lineno, file, line)
+
+    warnings.simplefilter("always", FormatNote)
+    warnings.showwarning = show
 
 
 if __name__ == "__main__":

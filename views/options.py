@@ -7,11 +7,16 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cutgap.instances import Rules
-from cutgap.instances.formats import MachineOptions
+from cutgap.instances.formats import DrawingOptions, MachineOptions
+from cutgap.instances.formats.options import FAULTS, Fault
 from cutgap.instances.rules import Objective
 
 File = Annotated[
+<<<<<<< HEAD
     Path, Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, .gtsp, .pcglns, .txt ...")
+=======
+    Path, Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, a list x y z r, .dxf, .svg.")
+>>>>>>> 6d623ad (Drawings: DXF and SVG become parts, rings, precedence and entry points, read in a child process with limits)
 ]
 PlanFile = Annotated[Path, Parameter(help="Plan, as written by solve --out.")]
 Json = Annotated[bool, Parameter(name="--json", help="Print JSON on stdout.")]
@@ -74,7 +79,7 @@ class RuleOptions:
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)
 class MachineArguments:
-    """Homes and speeds, for files that carry none or to replace theirs."""
+    """Homes and speeds, for files that carry none or to replace theirs; how drawings are read."""
 
     home: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True, negative="")] = ()
     """Home X,Y[,Z] of a head in mm; once per head."""
@@ -84,6 +89,16 @@ class MachineArguments:
     """Speed of cutting, mm/s."""
     t_aux: float | None = None
     """Auxiliary time per contour, s."""
+    layers: str | None = None
+    """Drawings: layers A,B to be read; all that are visible by default."""
+    entries: str = "auto"
+    """Drawings: entry points of a contour: auto (corners, quarter points of curves), or about N."""
+    tolerance: float = DrawingOptions().tolerance
+    """Drawings: largest gap between pieces of a contour, mm."""
+    chord: float = DrawingOptions().chord
+    """Drawings: largest distance between a curve and its polyline, mm."""
+    skip: str | None = None
+    """Drawings: leave out, instead of refusing, any of open,copies,crossing."""
 
     def options(self) -> MachineOptions:
         """Return the options as readers take them.
@@ -94,7 +109,18 @@ class MachineArguments:
             When a home is no list of two or three numbers, or a number is out of range.
         """
         homes = tuple(parse_home(text) for text in self.home)
-        return MachineOptions(homes=homes, v_jump=self.v_jump, v_cut=self.v_cut, t_aux=self.t_aux)
+        return MachineOptions(
+            homes=homes, v_jump=self.v_jump, v_cut=self.v_cut, t_aux=self.t_aux, drawing=self._drawing()
+        )
+
+    def _drawing(self) -> DrawingOptions:
+        return DrawingOptions(
+            layers=tuple(parse_names(self.layers, "--layers")),
+            entries=parse_entries(self.entries),
+            tolerance=self.tolerance,
+            chord=self.chord,
+            skip=tuple(parse_fault(name) for name in parse_names(self.skip, "--skip")),
+        )
 
 
 DEFAULT_RULES = RuleOptions()
@@ -108,6 +134,31 @@ def parse_home(text: str) -> tuple[float, ...]:
         return tuple(float(part) for part in text.split(","))
     except ValueError as error:
         raise ValueError(f"--home: expected X,Y or X,Y,Z in mm, got {text!r}") from error
+
+
+def parse_names(text: str | None, option: str) -> list[str]:
+    """Return the names of ``A,B,...``; none without a text."""
+    names = [] if text is None else [name.strip() for name in text.split(",")]
+    if not all(names):
+        raise ValueError(f"{option}: expected names A,B,..., got {text!r}")
+    return names
+
+
+def parse_entries(text: str) -> int | None:
+    """Return N of ``--entries N``, ``None`` for ``auto``."""
+    if text == "auto":
+        return None
+    if not (text.isascii() and text.isdigit()):
+        raise ValueError(f"--entries: expected auto or a number of at least 1, got {text!r}")
+    return int(text)
+
+
+def parse_fault(name: str) -> Fault:
+    """Return a kind of fault by its name."""
+    for fault in FAULTS:
+        if name == fault:
+            return fault
+    raise ValueError(f"--skip: expected some of {','.join(FAULTS)}, got {name!r}")
 
 
 def require_seed(seed: int) -> None:

@@ -14,12 +14,15 @@ suffix    content                               written  homes
 .txt      cutting paths: GTSPLIB in mm          no       set 1 if of one node; given ones replace it
 .txt      discs ``x y z r``                     no       a depot comment, or given
 .cetsp    discs ``x y z r``                     no       a depot comment, or given
+.dxf      drawing of a plate                    no       must be given
+.svg      drawing of a plate                    no       must be given
 ========  ====================================  =======  ==========================================
 
 Where a suffix has several contents, the content itself says which it is.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -28,14 +31,15 @@ from cutgap.instances.formats import (
     cam_routing,
     csv_format,
     discs,
+    drawings,
     gtsp,
     gtsp_writer,
     json_format,
     tsplib,
 )
-from cutgap.instances.formats.files import SIZE_LIMIT, read_text, write_atomically
+from cutgap.instances.formats.files import SIZE_LIMIT, read_bytes, read_text, write_atomically
 from cutgap.instances.formats.json_text import load_json
-from cutgap.instances.formats.options import NO_OVERRIDES, MachineOptions
+from cutgap.instances.formats.options import NO_OVERRIDES, DrawingOptions, FormatNote, MachineOptions
 from cutgap.instances.formats.tsplib_sections import begins_with_field
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
@@ -43,6 +47,8 @@ from cutgap.instances.plan import Plan
 __all__ = [
     "NO_OVERRIDES",
     "READABLE_SUFFIXES",
+    "DrawingOptions",
+    "FormatNote",
     "MachineOptions",
     "read_instance",
     "read_plan",
@@ -77,7 +83,12 @@ _READERS: dict[str, Callable[[str, str, MachineOptions], Instance]] = {
     ".cetsp": discs.parse_instance,
     ".txt": _parse_txt,
 }
-READABLE_SUFFIXES = tuple(_READERS)
+# Drawings come in many encodings, and binary.
+_DRAWING_READERS: dict[str, Callable[[bytes, str, MachineOptions], Instance]] = {
+    ".dxf": drawings.parse_dxf,
+    ".svg": drawings.parse_svg,
+}
+READABLE_SUFFIXES = (*_READERS, *_DRAWING_READERS)
 """Suffixes of files that ``read_instance`` takes."""
 _WRITERS: dict[str, Callable[[Instance], str]] = {
     ".json": json_format.format_instance,
@@ -99,7 +110,7 @@ def read_instance(path: str | Path, overrides: MachineOptions = NO_OVERRIDES) ->
     path
         The file; formats without a name field name the instance after it.
     overrides
-        Homes and machine figures for formats that carry none, or in place of the file's.
+        Homes and machine figures for formats that carry none, or in place of the file's; how drawings are read.
 
     Raises
     ------
@@ -107,10 +118,13 @@ def read_instance(path: str | Path, overrides: MachineOptions = NO_OVERRIDES) ->
         Naming file, place and value: unknown suffix, unreadable or malformed file, missing homes.
     """
     path = Path(path)
-    reader = _chosen(path, _READERS, "read")
-    text = read_text(path)
+    parse: Callable[[str, MachineOptions], Instance]
+    if path.suffix.lower() in _DRAWING_READERS:
+        parse = partial(_chosen(path, _DRAWING_READERS, "read"), read_bytes(path))
+    else:
+        parse = partial(_chosen(path, _READERS, "read", READABLE_SUFFIXES), read_text(path))
     try:
-        return reader(text, path.stem, overrides)
+        return parse(path.stem, overrides)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 
@@ -163,11 +177,12 @@ def write_plan(plan: Plan, instance: Instance, path: str | Path) -> None:
         raise ValueError(f"{path}: {error}") from error
 
 
-def _chosen(path: Path, table: dict[str, _Entry], verb: str) -> _Entry:
+def _chosen(path: Path, table: dict[str, _Entry], verb: str, known: Iterable[str] = ()) -> _Entry:
+    """Return the entry for a path's suffix; ``known`` are the suffixes to be named, the table's by default."""
     suffix = path.suffix.lower()
     if suffix not in table:
-        known = ", ".join(table)
-        raise ValueError(f"{path}: unknown suffix {suffix!r}; files that can be {verb} end in {known}")
+        names = ", ".join(known or table)
+        raise ValueError(f"{path}: unknown suffix {suffix!r}; files that can be {verb} end in {names}")
     return table[suffix]
 
 

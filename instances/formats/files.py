@@ -8,13 +8,13 @@ SIZE_LIMIT = 64 * 1024 * 1024
 """Largest file in bytes that is read or written: beyond it a text needs gigabytes once parsed."""
 
 
-def read_text(path: Path) -> str:
-    """Return the text of a UTF-8 file (a byte order mark is dropped).
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file.
 
     Raises
     ------
     ValueError
-        When the file cannot be opened, is larger than ``SIZE_LIMIT`` or is not UTF-8.
+        When the file cannot be opened or is larger than ``SIZE_LIMIT``.
     """
     try:
         with path.open("rb") as file:
@@ -24,6 +24,18 @@ def read_text(path: Path) -> str:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from error
     if len(content) > SIZE_LIMIT:
         raise ValueError(f"{path}: larger than {SIZE_LIMIT >> 20} MiB; split the job into smaller instances")
+    return content
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a UTF-8 file (a byte order mark is dropped).
+
+    Raises
+    ------
+    ValueError
+        As ``read_bytes``, and when the file is not UTF-8.
+    """
+    content = read_bytes(path)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -1,17 +1,61 @@
-"""Homes and machine figures given with a file: for formats that carry none, or to replace them."""
+"""What is given with a file: homes and machine figures that it lacks, and how a drawing is read."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from cutgap.instances.arrays import Floats, finite_number, frozen_array
 from cutgap.instances.instance import Head, Machine, Metric
 
 HOME_HINT = "give --home X,Y[,Z] once per head"
 
+Fault = Literal["open", "copies", "crossing"]
+FAULTS: tuple[Fault, ...] = get_args(Fault)
+
+
+class FormatNote(UserWarning):
+    """Something that a reader took for granted or left out; commands print it on stderr."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingOptions:
+    """How the contours of a drawing are found.
+
+    Parameters
+    ----------
+    layers
+        Names of the layers to be read, in any case of letters; empty reads all that are visible.
+    entries
+        Entry points of a contour (see ``drawings.entry_points``): ``None`` takes its corners and the quarter
+        points of its curves, a number about so many.
+    tolerance
+        Largest gap in mm between pieces of one contour.
+    chord
+        Largest distance in mm between a curve and the polyline that stands for it.
+    skip
+        Kinds of faults that are left out instead of refused: open chains, copies of contours, and
+        contours that cross themselves or each other (all of them).
+    """
+
+    layers: tuple[str, ...] = ()
+    entries: int | None = None
+    tolerance: float = 0.05
+    chord: float = 0.01
+    skip: tuple[Fault, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.entries is not None and self.entries < 1:
+            raise ValueError(f"--entries: expected auto or a number of at least 1, got {self.entries}")
+        finite_number(self.tolerance, "--tolerance", above=0.0)
+        finite_number(self.chord, "--chord", above=0.0)
+        for kind in self.skip:
+            if kind not in FAULTS:
+                raise ValueError(f"--skip: expected some of {','.join(FAULTS)}, got {kind!r}")
+
 
 @dataclass(frozen=True, slots=True)
 class MachineOptions:
-    """Homes and machine figures that stand in for those of a file, or replace them.
+    """Homes and machine figures that stand in for those of a file, or replace them; how drawings are read.
 
     Parameters
     ----------
@@ -21,12 +65,15 @@ class MachineOptions:
         Speed of rapids and of cutting, mm/s; ``None`` keeps the file's, or the default of ``Machine``.
     t_aux
         Auxiliary time per contour, s; ``None`` likewise.
+    drawing
+        For drawings only.
     """
 
     homes: tuple[tuple[float, ...], ...] = ()
     v_jump: float | None = None
     v_cut: float | None = None
     t_aux: float | None = None
+    drawing: DrawingOptions = DrawingOptions()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "homes", tuple(_home(home) for home in self.homes))
