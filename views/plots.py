@@ -7,9 +7,10 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 
 from cutgap.instances import Instance, Plan, Result, Visit
 from cutgap.instances.arrays import Floats
@@ -25,6 +26,10 @@ WIDTH = 7.0
 DASHED, DOTTED = (0, (4, 3)), (0, (1, 2))
 DOT_AREA = (8.0, 60.0)
 """Area of the smallest and the largest dot, square points."""
+MOST_NUMBERED = 40
+"""Contours of a tour that are numbered; more numbers cannot be read."""
+MOST_CLEAR = 100
+"""Contours that are drawn with lines and dots of full size; more get finer ones."""
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -77,10 +82,17 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
 
 def _size(instance: Instance) -> tuple[float, float]:
     """Return width and height in inches that suit the instance's proportions."""
-    if instance.node_count == 0:
+    curves = [contour.geometry for contour in instance.contours if contour.geometry is not None]
+    places = np.concatenate([instance.points[:, :2], *curves])
+    if len(places) == 0:
         return WIDTH, WIDTH / 2
-    width, height = np.ptp(instance.points[:, :2], axis=0)
+    width, height = np.ptp(places, axis=0)
     return WIDTH, float(np.clip(WIDTH * height / width if width > 0 else WIDTH, 2.0, WIDTH)) + 1.1
+
+
+def _fineness(instance: Instance) -> float:
+    """Return a factor of line widths and dot sizes, at most 1."""
+    return float(np.clip((MOST_CLEAR / max(1, len(instance.contours))) ** 0.5, 0.4, 1.0))
 
 
 def _colour(head: int) -> str:
@@ -88,26 +100,46 @@ def _colour(head: int) -> str:
 
 
 def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None) -> None:
-    """Draw outlines where there are any, and a dot at each entry point that is used, sized by perimeter."""
+    """Draw outlines where there are any, entry points to choose from, and dots where contours are pierced.
+
+    Dots without an outline are sized by perimeter; without a plan they stand at entry point 0.
+    """
     owner = {
         visit.contour: (head, visit.entry)
         for head, tour in enumerate(plan.tours if plan is not None else ())
         for visit in tour
     }
     largest = max(float(instance.perimeters.max(initial=0.0)), 1e-9)
+    fineness = _fineness(instance)
     points, areas, colours = [], [], []
     for index, contour in enumerate(instance.contours):
         head, entry = owner.get(index, (-1, 0))
         colours.append(_colour(head) if head >= 0 else UNCUT)
         points.append(contour.entry_points[entry, :2])
-        share = contour.perimeter / largest
-        if contour.geometry is not None:
-            share = 0.0
-            axes.add_patch(Polygon(contour.geometry, fill=False, edgecolor=colours[-1]))
-        areas.append(DOT_AREA[0] + share * (DOT_AREA[1] - DOT_AREA[0]))
+        share = contour.perimeter / largest if contour.geometry is None else 0.25 * fineness**2
+        # Where there is a choice and none is made, no entry point stands out.
+        chosen = head >= 0 or contour.geometry is None
+        areas.append(DOT_AREA[0] + share * (DOT_AREA[1] - DOT_AREA[0]) if chosen else 0.0)
     if points:
         xs, ys = np.transpose(points)
         axes.scatter(xs, ys, s=areas, c=colours, linewidths=0, zorder=3)
+    _draw_outlines(axes, instance, colours)
+
+
+def _draw_outlines(axes: Axes, instance: Instance, colours: list[str]) -> None:
+    """Draw the curves, and small dots at the entry points of contours that leave a choice."""
+    fineness = _fineness(instance)
+    outlined = [(each, contour.geometry) for each, contour in enumerate(instance.contours)]
+    shown = [(each, curve) for each, curve in outlined if curve is not None]
+    edges = [colours[each] for each, _ in shown]
+    curves = [curve for _, curve in shown]
+    axes.add_collection(PolyCollection(curves, facecolors="none", edgecolors=edges, linewidths=1.4 * fineness))
+    choices = [contour.entry_points[:, :2] for contour in instance.contours if len(contour.entry_points) > 1]
+    if choices:
+        xs, ys = np.concatenate(choices).T
+        axes.scatter(
+            xs, ys, s=6 * float(np.clip(MOST_CLEAR / len(xs), 0.15, 1.0)), c=UNCUT, linewidths=0, zorder=1.5
+        )
 
 
 def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...]) -> None:
@@ -122,12 +154,32 @@ def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...
         inner = points[1:-1]
         for ends in (points[:2], points[-2:]):
             axes.plot(ends[:, 0], ends[:, 1], color=colour, linewidth=1.0, linestyle=DASHED, zorder=2)
-    axes.plot(inner[:, 0], inner[:, 1], color=colour, linewidth=1.1, zorder=2)
-    _draw_arrows(axes, points, colour)
+    fineness = _fineness(instance)
+    # Thinner than what is cut.
+    width = fineness * (1.1 if all(contour.geometry is None for contour in instance.contours) else 0.7)
+    axes.plot(inner[:, 0], inner[:, 1], color=colour, linewidth=width, zorder=2)
+    _draw_arrows(axes, points, colour, fineness)
+    if len(tour) <= MOST_NUMBERED:
+        _draw_numbers(axes, instance.points[[instance.node(*visit) for visit in tour], :2], colour)
     axes.scatter(inner[0, 0], inner[0, 1], s=130, facecolors="none", edgecolors=colour, zorder=4)
 
 
-def _draw_arrows(axes: Axes, points: Floats, colour: str) -> None:
+def _draw_numbers(axes: Axes, points: Floats, colour: str) -> None:
+    """Number the contours of a tour from 1, beside the points where they are pierced."""
+    for number, point in enumerate(points, start=1):
+        axes.annotate(
+            str(number),
+            tuple(point),
+            xytext=(3, 3),
+            textcoords="offset points",
+            fontsize=7,
+            color=colour,
+            path_effects=[withStroke(linewidth=2.0, foreground="white")],
+            zorder=6,
+        )
+
+
+def _draw_arrows(axes: Axes, points: Floats, colour: str, fineness: float) -> None:
     legs = np.diff(points, axis=0)
     lengths = np.linalg.norm(legs, axis=1)
     moved = lengths > 0
@@ -142,8 +194,8 @@ def _draw_arrows(axes: Axes, points: Floats, colour: str) -> None:
         pivot="mid",
         units="inches",
         scale_units="inches",
-        scale=12.0,
-        width=0.014,
+        scale=12.0 / fineness,
+        width=0.014 * fineness,
         headwidth=5.5,
         headlength=6.0,
         headaxislength=6.0,

@@ -50,10 +50,11 @@ def strands_of(content: bytes, options: DrawingOptions) -> tuple[list[Strand], l
 
 
 def _document(content: bytes) -> tuple[Drawing, list[str]]:
-    if content.startswith(BINARY_MARK):
-        return Drawing.load(binary_tags_loader(content)), []
-    if content[-64:].split()[-2:] != [b"0", b"EOF"]:
+    is_binary = content.startswith(BINARY_MARK)
+    if not content.rstrip().endswith(b"EOF\0" if is_binary else b"\nEOF"):
         raise ValueError("not a complete DXF file: it does not end with EOF; save or copy it again")
+    if is_binary:
+        return Drawing.load(binary_tags_loader(content)), []
     document, audit = recover.read(io.BytesIO(content))
     if audit.has_errors:
         found = "; ".join(error.message for error in audit.errors[:3])

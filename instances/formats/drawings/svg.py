@@ -8,6 +8,7 @@ XML of unknown origin: documents that declare entities, or hold anything within 
 """
 
 import io
+import re
 from collections import Counter
 from collections.abc import Iterator
 from xml.etree import ElementTree
@@ -26,6 +27,11 @@ MOST_STRANDS = 500_000
 NO_LAYER = "0"
 """Layer of what stands in no group."""
 
+_PX_PER_UNIT = {"mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "in": 96.0, "pt": 96 / 72, "pc": 16.0}
+_WITH_UNIT = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(mm|cm|q|in|pt|pc)\s*", re.IGNORECASE
+)
+_LENGTHS = {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "x1", "y1", "x2", "y2"}
 _NAMESPACE = "{http://www.w3.org/2000/svg}"
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _LINK = "{http://www.w3.org/1999/xlink}href"
@@ -45,8 +51,9 @@ def strands_of(content: bytes, options: DrawingOptions) -> tuple[list[Strand], l
     _require_plain_xml(content)
     root = ElementTree.fromstring(content)
     notes = _without_what_is_not_drawn(root)
+    _to_px(root)
     _require_links(root)
-    picture = svgelements.SVG.parse(io.BytesIO(ElementTree.tostring(root)), ppi=96, on_error="raise")
+    picture = _parsed(root)
     asked = set(options.layers)
     layers: dict[str, None] = {}
     strands: list[Strand] = []
@@ -105,6 +112,29 @@ def _without_what_is_not_drawn(root: ElementTree.Element) -> list[str]:
     return [f"elements that are no contours are left out: {counted}"] if removed else []
 
 
+def _parsed(root: ElementTree.Element) -> svgelements.SVG:
+    try:
+        return svgelements.SVG.parse(io.BytesIO(ElementTree.tostring(root)), ppi=96, on_error="raise")
+    except ValueError as error:
+        for number, path in enumerate(root.iter(f"{_NAMESPACE}path"), start=1):
+            data = path.get("d", "")
+            try:
+                svgelements.Path().parse(data)
+            except ValueError:
+                name = path.get("id", f"number {number}")
+                raise ValueError(f"path {name!r}: cannot read its d: {data!r:.80}") from error
+        raise ValueError(f"cannot be read as SVG: {error or 'an attribute is no number'}") from error
+
+
+def _to_px(root: ElementTree.Element) -> None:
+    """Write lengths in px: the library's own factors are rounded to six digits."""
+    for element in root.iter():
+        for name, value in element.attrib.items():
+            if name in _LENGTHS and (found := _WITH_UNIT.fullmatch(value)):
+                number, unit = found.groups()
+                element.set(name, repr(float(number) * _PX_PER_UNIT[unit.lower()]))
+
+
 def _require_links(root: ElementTree.Element) -> None:
     """Refuse a ``use`` whose target is not in the file: its contours would silently be missing."""
     targets = {element.get("id") for element in root.iter()}
@@ -118,7 +148,9 @@ def _require_links(root: ElementTree.Element) -> None:
 def _shapes(group: svgelements.Group, layer: str | None) -> Iterator[tuple[svgelements.Shape, str]]:
     """Yield the shapes that are drawn, with the names of their layers."""
     for each in group:
-        if isinstance(each, svgelements.Group | svgelements.Use):
+        if isinstance(each, svgelements.Use):
+            yield from _shapes(each, layer or NO_LAYER)
+        elif isinstance(each, svgelements.Group):
             name = each.values.get("attributes", {}).get(_LABEL) or each.id or NO_LAYER
             yield from _shapes(each, name if layer is None else layer)
         elif isinstance(each, svgelements.Shape):
