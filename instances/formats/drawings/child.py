@@ -70,6 +70,7 @@ def _answer(request: bytes, limits: Limits) -> bytes:
             ) from None
         finally:
             process.kill()
+            process.wait()
     if process.returncode != 0 or not answer:
         code = process.returncode
         how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
