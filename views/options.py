@@ -149,7 +149,7 @@ def parse_entries(text: str) -> int | None:
     if text == "auto":
         return None
     if not (text.isascii() and text.isdigit()):
-        raise ValueError(f"--entries: expected auto or a number of at least 1, got {text!r}")
+        raise ValueError(f"--entries: expected auto or a number, got {text!r}")
     return int(text)
 
 

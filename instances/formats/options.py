@@ -10,6 +10,7 @@ from cutgap.instances.instance import Head, Machine, Metric
 HOME_HINT = "give --home X,Y[,Z] once per head"
 
 Fault = Literal["open", "copies", "crossing"]
+MOST_ENTRIES = 10_000
 FAULTS: tuple[Fault, ...] = get_args(Fault)
 
 
@@ -44,8 +45,10 @@ class DrawingOptions:
     skip: tuple[Fault, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.entries is not None and self.entries < 1:
-            raise ValueError(f"--entries: expected auto or a number of at least 1, got {self.entries}")
+        if self.entries is not None and not 1 <= self.entries <= MOST_ENTRIES:
+            raise ValueError(
+                f"--entries: expected auto or a number from 1 to {MOST_ENTRIES}, got {self.entries}"
+            )
         finite_number(self.tolerance, "--tolerance", above=0.0)
         finite_number(self.chord, "--chord", above=0.0)
         for kind in self.skip:

@@ -71,8 +71,8 @@ def test_convert_takes_all_options_and_prints_notes(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--entries", "0"], "--entries: expected auto or a number of at least 1, got 0"),
-        (["--entries", "few"], "--entries: expected auto or a number of at least 1, got 'few'"),
+        (["--entries", "0"], "--entries: expected auto or a number from 1 to 10000, got 0"),
+        (["--entries", "few"], "--entries: expected auto or a number, got 'few'"),
         (["--tolerance", "0"], "--tolerance: expected a number above 0"),
         (["--chord=-1"], "--chord: expected a number above 0"),
         (["--skip", "holes"], "--skip: expected some of open,copies,crossing, got 'holes'"),

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.collections import PathCollection
+from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.colors import to_hex
 from oracles.random_instances import random_instance
 
-from cutgap.instances import Plan
-from cutgap.views.plots import HEAD_COLOURS, gap_figure, plan_figure
+from cutgap.instances import Contour, Head, Instance, Plan
+from cutgap.views.plots import HEAD_COLOURS, MOST_NUMBERED, gap_figure, plan_figure
 
 
 @pytest.fixture
@@ -69,6 +69,35 @@ def test_a_bare_matrix_and_a_foreign_plan_are_refused(instance):
         plan_figure(bare, None)
     with pytest.raises(ValueError, match="tours"):
         plan_figure(instance, Plan(((),)))
+
+
+@pytest.fixture
+def plate():
+    """Two square parts, each with four entry points, and a home."""
+    rings = [np.array([(0, 0), (10, 0), (10, 10), (0, 10)]) + np.array((x, 0.0)) for x in (0, 50)]
+    contours = [
+        Contour(str(number), np.column_stack((ring, np.zeros(4))), 40, ring="outer", geometry=ring)
+        for number, ring in enumerate(rings)
+    ]
+    return Instance("plate", tuple(contours), (Head("head", np.zeros(3)),))
+
+
+def test_outlines_entry_points_and_order_are_shown(plate):
+    axes = plan_figure(plate, Plan((((1, 2), (0, 3)),))).axes[0]
+    (outlines,) = (each for each in axes.collections if type(each) is PolyCollection)
+    rings = [path.vertices[:-1].tolist() for path in outlines.get_paths()]
+    assert rings == [contour.geometry.tolist() for contour in plate.contours]
+    dots = [each.get_offsets() for each in axes.collections if isinstance(each, PathCollection)]
+    assert any(np.array_equal(each, plate.points[:8, :2]) for each in dots)
+    # Contour 1 is pierced first, at its entry point 2.
+    assert any(np.array_equal(each, plate.points[[3, 6], :2]) for each in dots)
+    assert [(text.get_text(), tuple(text.xy)) for text in axes.texts] == [("1", (60, 10)), ("2", (0, 10))]
+
+
+def test_many_contours_are_not_numbered(plate):
+    contours = tuple(replace(plate.contours[0], id=str(number)) for number in range(MOST_NUMBERED + 1))
+    many = replace(plate, contours=contours)
+    assert not plan_figure(many, Plan.of_contours([range(len(contours))])).axes[0].texts
 
 
 def test_gap_figure_has_a_dot_for_each_run():

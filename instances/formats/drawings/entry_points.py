@@ -16,7 +16,7 @@ import heapq
 
 import numpy as np
 
-from cutgap.instances.arrays import Floats
+from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.formats.drawings.outlines import Outline
 
 SNAP = 1e-3
@@ -63,8 +63,8 @@ def _automatic(outline: Outline, sections: Floats) -> Floats:
 def _spread(corners: Floats, whole: float, count: int) -> Floats:
     """Return corners near to equally spaced places; two places may share one."""
     targets = corners[0] + np.arange(count) * whole / count
-    away = np.abs(targets[:, None] - corners)
-    return np.unique(corners[np.minimum(away, whole - away).argmin(axis=1)])
+    around = np.append(corners, corners[0] + whole)
+    return around[np.unique(_nearest(around, targets) % len(corners))]
 
 
 def _filled(outline: Outline, sections: Floats, count: int) -> Floats:
@@ -87,13 +87,18 @@ def _filled(outline: Outline, sections: Floats, count: int) -> Floats:
 
 def _inserted(closed: Floats, along: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Return the polyline with vertices at the given arc lengths, and these vertices in order."""
-    nearest = np.abs(at[:, None] - along[[*range(len(along))]]).argmin(axis=1) if len(at) else at
-    is_vertex = np.abs(along[nearest] - at) <= SNAP
-    chosen = set((nearest[is_vertex] % (len(closed) - 1)).tolist())
-    new = at[~is_vertex]
+    count = len(closed) - 1
+    nearest = _nearest(along, at)
+    is_there = np.abs(along[nearest] - at) <= SNAP
+    is_entry = np.zeros(count, dtype=np.bool_)
+    is_entry[nearest[is_there] % count] = True
+    new = at[~is_there]
     places = np.column_stack([np.interp(new, along, closed[:, axis]) for axis in (0, 1)])
     before = np.searchsorted(along, new)
-    points = np.insert(closed[:-1], np.minimum(before, len(closed) - 1), places, axis=0)
-    is_entry = np.array([number in chosen for number in range(len(closed) - 1)])
-    is_entry = np.insert(is_entry, np.minimum(before, len(closed) - 1), True)
-    return points, points[is_entry]
+    points = np.insert(closed[:-1], before, places, axis=0)
+    return points, points[np.insert(is_entry, before, True)]
+
+
+def _nearest(ascending: Floats, values: Floats) -> Ints:
+    """Return for each value the index of the entry next to it."""
+    return np.searchsorted((ascending[1:] + ascending[:-1]) / 2, values)
