@@ -45,6 +45,23 @@ def square(layout, x, y, side, **attributes):
     return layout.add_lwpolyline(corners, close=True, dxfattribs=attributes)
 
 
+def single(document, **options):
+    """Return the only outline."""
+    ((outline,), _) = outlines_of(document, **options)
+    return outline
+
+
+def layered():
+    """Return a drawing of four squares on four layers, two of which are hidden."""
+    document = new_drawing()
+    for number, name in enumerate(("Cut", "Mark", "Frozen", "Off")):
+        document.layers.add(name)
+        square(document.modelspace(), 20 * number, 0, 10, layer=name)
+    document.layers.get("Frozen").freeze()
+    document.layers.get("Off").off()
+    return document
+
+
 def star(rng, corners):
     """Return the corners of a random simple polygon around (0, 0), shape (corners, 2)."""
     angles = (np.arange(corners) + rng.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners

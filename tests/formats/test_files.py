@@ -20,7 +20,7 @@ HOLE = Instance("hole", (Contour("a", np.zeros((1, 3)), 1.0),), (Head("head", np
 
 
 def test_an_unknown_suffix_lists_the_known_ones(tmp_path):
-    known = r"\.json, \.csv, \.tsp, \.atsp, \.gtsp, \.pcglns, \.cetsp, \.txt"
+    known = r"\.json, \.csv, \.tsp, \.atsp, \.gtsp, \.pcglns, \.cetsp, \.txt, \.dxf, \.svg"
     with pytest.raises(ValueError, match=rf"part\.dwg: unknown suffix '\.dwg'; .*read end in {known}"):
         read_instance(tmp_path / "part.dwg")
     with pytest.raises(ValueError, match=r"part: unknown suffix ''"):

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from ezdxf import recover, units
 from ezdxf.document import Drawing
-from ezdxf.entities.insert import Insert
 from ezdxf.enums import InsertUnits
 from ezdxf.lldxf.tagger import binary_tags_loader
 
@@ -111,10 +110,13 @@ class _Reader:
 
     def visit(self, entity: Entity, outer_layer: str | None, within: str, depth: int = 0) -> None:
         """Collect an entity, or what a block reference shows."""
+        kind = entity.dxftype()
+        if kind not in _ELEMENTS and kind != "INSERT":
+            self._ignored[kind] += 1
+            return
         own = entity.dxf.get("layer", "0")
         layer = outer_layer if outer_layer is not None and own == "0" else own
-        kind = entity.dxftype()
-        if isinstance(entity, Insert):
+        if kind == "INSERT":
             self._visit_block(entity, layer, within, depth)
             return
         self._met.setdefault(layer.casefold(), layer)
@@ -122,18 +124,15 @@ class _Reader:
             return
         if self._is_hidden(layer) or entity.dxf.get("invisible", 0):
             self._hidden[layer] += 1
-        elif kind not in _ELEMENTS:
-            self._ignored[kind] += 1
         else:
-            place = f"{kind} {_handle(entity)}{within}"
-            self._add(entity, kind, layer, place)
+            self._add(entity, kind, layer, f"{kind} {_handle(entity)}{within}")
 
     def _is_hidden(self, layer: str) -> bool:
         """Whether a layer is frozen or off; one that is asked for by name is read nevertheless."""
         entry = self._table.get(layer.casefold())
         return entry is not None and not self._asked and (entry.is_frozen() or entry.is_off())
 
-    def _visit_block(self, insert: Insert, layer: str, within: str, depth: int) -> None:
+    def _visit_block(self, insert: Entity, layer: str, within: str, depth: int) -> None:
         if depth >= DEEPEST:
             raise ValueError(
                 f"block {insert.dxf.name!r}: references nested deeper than {DEEPEST}; does it contain itself?"
@@ -148,7 +147,7 @@ class _Reader:
                 self.visit(entity, layer, inner, depth + 1)
 
     def _skipped(self, entity: Entity, reason: str) -> None:
-        if entity.dxftype() in _ELEMENTS or isinstance(entity, Insert):
+        if entity.dxftype() in (*_ELEMENTS, "INSERT"):
             raise ValueError(
                 f"{entity.dxftype()} {_handle(entity)}: cannot be placed by its block reference: {reason}"
             )
@@ -157,6 +156,9 @@ class _Reader:
     def _add(self, entity: Entity, kind: str, layer: str, place: str) -> None:
         if len(self.strands) >= MOST_STRANDS:
             raise ValueError(f"more than {MOST_STRANDS} curves; split the drawing")
+        missing = [name for name in _REQUIRED.get(kind, ()) if not entity.dxf.hasattr(name)]
+        if missing:
+            raise ValueError(f"layer {layer!r}, {place}: has no {missing[0]}; draw it again")
         try:
             elements = _ELEMENTS[kind](entity, _Frame(entity, self._scale, self._tolerance), self._chord)
         except _NotACurveError:
@@ -285,6 +287,15 @@ _ELEMENTS: dict[str, Callable[[Entity, _Frame, float], list[Element]]] = {
     "LWPOLYLINE": _lwpolyline,
     "POLYLINE": _polyline,
     "SPLINE": _spline,
+}
+
+
+# The library would put 0 or 1 in their place.
+_REQUIRED = {
+    "LINE": ("start", "end"),
+    "CIRCLE": ("center", "radius"),
+    "ARC": ("center", "radius", "start_angle", "end_angle"),
+    "ELLIPSE": ("center", "major_axis", "ratio"),
 }
 
 
