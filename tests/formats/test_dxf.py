@@ -188,7 +188,7 @@ def test_units_become_mm(code, factor):
 def test_layers_are_chosen_and_hidden_ones_left_out_with_a_note():
     outlines, notes = outlines_of(layered())
     assert [each.layer for each in outlines] == ["Cut", "Mark"]
-    assert "frozen or off are left out: 1 Frozen, 1 Off" in notes[0]
+    assert "frozen or off, are left out: 1 Frozen, 1 Off" in notes[0]
     assert [each.layer for each in outlines_of(layered(), layers=("mark", "Off"))[0]] == ["Mark", "Off"]
     with pytest.raises(ValueError, match=r"no layer 'Cuts'; the drawing has 0, Cut, .*Frozen, Mark, Off"):
         outlines_of(layered(), layers=("Cut", "Cuts"))
@@ -199,6 +199,17 @@ def test_what_lies_on_layer_0_of_a_block_is_on_the_layer_of_the_reference():
     square(document.blocks.new("PART"), 0, 0, 10)
     document.modelspace().add_blockref("PART", (0, 0), dxfattribs={"layer": "Cut"})
     assert single(document, layers=("Cut",)).layer == "Cut"
+
+
+def test_invisible_entities_and_blocks_are_left_out_with_a_note():
+    document = new_drawing()
+    square(document.blocks.new("PART"), 0, 0, 10)
+    document.modelspace().add_blockref("PART", (0, 0), dxfattribs={"invisible": 1})
+    square(document.modelspace(), 20, 0, 10, invisible=1)
+    square(document.modelspace(), 40, 0, 10)
+    (found,), notes = outlines_of(document)
+    assert found.points[:, 0].min() == 40
+    assert "2 0" in notes[0]
 
 
 def test_text_and_hatches_are_left_out_with_a_note():

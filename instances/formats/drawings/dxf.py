@@ -105,7 +105,9 @@ class _Reader:
         if self._ignored:
             notes.append(f"entities that are no contours are left out: {_counted(self._ignored)}")
         if self._hidden:
-            notes.append(f"entities on layers that are frozen or off are left out: {_counted(self._hidden)}")
+            notes.append(
+                f"entities that are invisible, or on layers that are frozen or off, are left out: {_counted(self._hidden)}"
+            )
         return notes
 
     def visit(self, entity: Entity, outer_layer: str | None, within: str, depth: int = 0) -> None:
@@ -116,13 +118,16 @@ class _Reader:
             return
         own = entity.dxf.get("layer", "0")
         layer = outer_layer if outer_layer is not None and own == "0" else own
+        if entity.dxf.get("invisible", 0):
+            self._hidden[layer] += 1
+            return
         if kind == "INSERT":
             self._visit_block(entity, layer, within, depth)
             return
         self._met.setdefault(layer.casefold(), layer)
         if self._asked and layer.casefold() not in self._asked:
             return
-        if self._is_hidden(layer) or entity.dxf.get("invisible", 0):
+        if self._is_hidden(layer):
             self._hidden[layer] += 1
         else:
             self._add(entity, kind, layer, f"{kind} {_handle(entity)}{within}")
