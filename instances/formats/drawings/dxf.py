@@ -105,8 +105,9 @@ class _Reader:
         if self._ignored:
             notes.append(f"entities that are no contours are left out: {_counted(self._ignored)}")
         if self._hidden:
+            hidden = _counted(self._hidden)
             notes.append(
-                f"entities that are invisible, or on layers that are frozen or off, are left out: {_counted(self._hidden)}"
+                f"entities that are invisible, or on layers that are frozen or off, are left out: {hidden}"
             )
         return notes
 
