@@ -1,4 +1,4 @@
-"""Seeded generators of parts: the reference's simulated parts, car-body parts, and special cases.
+"""Seeded generators: the references' simulated parts, car-body parts and nest, and special cases.
 
 Every generator takes its random numbers from the generator that is passed in; ``generate`` makes one from
 a seed, so that kind, number of holes and seed name a part for good.
@@ -13,6 +13,8 @@ from cutgap.instances.generate import b_pillars as pillars
 from cutgap.instances.generate import door_panel as door
 from cutgap.instances.generate.b_pillars import b_pillars
 from cutgap.instances.generate.door_panel import door_panel
+from cutgap.instances.generate.nest28 import CONTOURS as NEST28_CONTOURS
+from cutgap.instances.generate.nest28 import nest28
 from cutgap.instances.generate.random_parts import (
     coincident_part,
     collinear_part,
@@ -40,6 +42,7 @@ __all__ = [
     "door_panel",
     "generate",
     "grid_part",
+    "nest28",
     "one_column_part",
     "random_part",
     "staggered_grid_part",
@@ -63,6 +66,7 @@ KINDS: dict[str, Kind] = {
     "random": Kind("even in the reference's ranges", random_part, 45),
     "b-pillars": Kind("four B-pillars side by side", lambda _, rng: b_pillars(rng), pillars.HOLES, fixed=True),
     "door-panel": Kind("door inner panel", lambda _, rng: door_panel(rng), door.HOLES, fixed=True),
+    "nest28": Kind("nest of 28 parts", lambda _, rng: nest28(rng), NEST28_CONTOURS, fixed=True),
     "ties": Kind("columns of equal x", tied_part, 12),
     "coincident": Kind("half of the holes on top of others", coincident_part, 12),
     "collinear": Kind("all holes on one slanted line", collinear_part, 12),

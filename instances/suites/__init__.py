@@ -4,6 +4,8 @@
     Ten simulated parts with 45 to 90 holes, as in Table 1 of Wang et al. (2025), whose own are not published.
 ``b-pillars``, ``door-panel``
     Stand-ins for the real parts of its Table 2: 76 and 91 holes.
+``nest28``
+    A nest of 28 sheet-metal parts with the boxes and perimeters of Table 1 of Li et al. (2019): 47 contours.
 ``small``
     6 to 14 holes: random, tied in x, coincident, collinear, all in one column.
 """
@@ -33,6 +35,7 @@ RECIPES: dict[str, tuple[Recipe, ...]] = {
     "table1": tuple(Recipe(f"table1-{holes}", "random", holes, holes) for holes in range(45, 95, 5)),
     "b-pillars": (Recipe("b-pillars", "b-pillars", 76, 76),),
     "door-panel": (Recipe("door-panel", "door-panel", 91, 91),),
+    "nest28": (Recipe("nest28", "nest28", 47, 28),),
     "small": tuple(
         Recipe(f"small-{kind}-{holes:02d}", kind, holes, holes)
         for kind, sizes in {

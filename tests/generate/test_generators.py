@@ -172,6 +172,7 @@ def test_coordinates_are_whole_micrometres(kind):
         ("random", 5, -1, "seed: expected at least 0, got -1"),
         ("b-pillars", 75, 1, "holes: b-pillars has 76, got 75"),
         ("door-panel", 90, 1, "holes: door-panel has 91, got 90"),
+        ("nest28", 28, 1, "holes: nest28 has 47, got 28"),
         ("collinear", 142, 1, "holes: a collinear part has at most 141, got 142"),
     ],
 )

@@ -40,13 +40,14 @@ def test_sizes_are_those_of_the_reference():
     assert [part.name for part in load_suite("table1")] == [f"table1-{n}" for n in range(45, 95, 5)]
     assert [len(part.contours) for part in load_suite("b-pillars")] == [76]
     assert [len(part.contours) for part in load_suite("door-panel")] == [91]
+    assert [len({contour.part for contour in nest.contours}) for nest in load_suite("nest28")] == [28]
     assert {len(part.contours) for part in load_suite("small")} == set(range(6, 15))
 
 
 def test_an_unknown_suite_lists_the_known_ones():
     for function in (load_suite, build_suite):
         with pytest.raises(
-            ValueError, match=r"suite: expected one of table1, b-pillars, door-panel, small, got 'x'"
+            ValueError, match=r"suite: expected one of table1, b-pillars, door-panel, nest28, small, got 'x'"
         ):
             function("x")
 
