@@ -6,9 +6,10 @@ from typing import Protocol
 
 import numpy as np
 
+from cutgap.heuristics.ant_colony import ant_colony
 from cutgap.heuristics.clustering import fuzzy_c_means, k_means
 from cutgap.heuristics.local_search import local_search
-from cutgap.heuristics.sides import has_tours, has_two_sides
+from cutgap.heuristics.sides import has_one_head, has_tours, has_two_sides
 from cutgap.heuristics.task_balancing import task_balancing
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.progress import Watch, nobody
@@ -63,6 +64,16 @@ HEURISTICS: dict[str, Heuristic] = {
     "k-means": Heuristic(k_means, has_two_sides),
     "fuzzy-c-means": Heuristic(fuzzy_c_means, has_two_sides),
     "local-search": Heuristic(local_search, has_tours),
+    "ant-colony": Heuristic(ant_colony, has_one_head),
 }
 
-__all__ = ["HEURISTICS", "Heuristic", "PlanMaker", "fuzzy_c_means", "k_means", "local_search", "task_balancing"]
+__all__ = [
+    "HEURISTICS",
+    "Heuristic",
+    "PlanMaker",
+    "ant_colony",
+    "fuzzy_c_means",
+    "k_means",
+    "local_search",
+    "task_balancing",
+]

@@ -9,6 +9,7 @@ import numpy as np
 
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.arrays import Floats, Ints, difference
+from cutgap.instances.check import require_coordinates
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,17 @@ def has_tours(instance: Instance, rules: Rules) -> bool:
     except ValueError:
         return False
     return not rules.process and (instance.located or not rules.via_points)
+
+
+def has_one_head(instance: Instance, rules: Rules) -> bool:
+    """Whether one head is to choose order and entry points, with the curves that the rules need."""
+    if len(instance.heads) != 1 or not instance.contours or rules.via_points:
+        return False
+    try:
+        require_coordinates(instance, rules)
+    except ValueError:
+        return False
+    return True
 
 
 def contour_xs(instance: Instance) -> Floats:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from cutgap.heuristics import HEURISTICS
 from cutgap.instances import Contour, Head, Instance, Machine, Rules
 
 RULES = (
@@ -23,3 +24,8 @@ def random_part(rng: np.random.Generator, holes: int, *, heads: int = 2, tied: b
     contours = tuple(Contour(f"hole-{i}", p[None], float(rng.uniform(20, 100))) for i, p in enumerate(points))
     homes = np.linspace((200, 200, 400), (2400, 1400, 400), heads)
     return Instance("random", contours, tuple(Head(f"head-{i}", h) for i, h in enumerate(homes)), Machine())
+
+
+FOR_TWO_HEADS = tuple(
+    name for name, each in HEURISTICS.items() if each.applies(random_part(np.random.default_rng(0), 4), Rules())
+)
