@@ -63,6 +63,9 @@ class AntColonyParameters:
         then keeps its pheromone of 1.
     elite
         e, the share of its deposit that the shortest tour adds a second time, 0 to below 1.
+    dropped_price_mm
+        What L_k of (12) counts for each rule that ant k dropped. The source has none (0): a tour across what is
+        cut, being shorter, then draws the others after it.
     polish
         Whether the answer's entry points are made the best for its order, which the source does not do.
     """
@@ -75,6 +78,7 @@ class AntColonyParameters:
     persistence: float = 0.9
     deposit_mm: float | None = None
     elite: float = 0.5
+    dropped_price_mm: float = 0.0
     polish: bool = False
 
     def __post_init__(self) -> None:
@@ -92,6 +96,8 @@ class AntColonyParameters:
             if value >= 1.0:
                 raise ValueError(f"ant colony, {name}: expected less than 1, got {value:g}")
             object.__setattr__(self, name, value)
+        price = finite_number(self.dropped_price_mm, "ant colony, dropped_price_mm", least=0.0)
+        object.__setattr__(self, "dropped_price_mm", price)
         if self.deposit_mm is not None:
             value = finite_number(self.deposit_mm, "ant colony, deposit_mm", above=0.0)
             object.__setattr__(self, "deposit_mm", value)
@@ -161,7 +167,8 @@ class Colony:
         lengths = np.maximum(leg_sums(self.instance.rapids, closed), SHORTEST)
         if self.deposit_mm is None:
             self.deposit_mm = float(lengths.min()) / len(tours)
-        update_pheromone(self.pheromone, closed, lengths, self.deposit_mm, self.parameters)
+        counted = lengths + self.parameters.dropped_price_mm * dropped
+        update_pheromone(self.pheromone, closed, counted, self.deposit_mm, self.parameters)
         values = lengths + leg_sums(self.costs - self.instance.rapids, tours)
         ant = int(np.lexsort((values, dropped))[0])
         if self.best is not None and (dropped[ant], values[ant]) >= (self.dropped, self.best_value):

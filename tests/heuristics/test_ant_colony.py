@@ -70,6 +70,25 @@ def test_pheromone_is_updated_as_by_hand():
     assert pheromone.tolist() == [[1.5, 3.0, 2.0], [2.0, 1.5, 3.0], [3.0, 2.0, 1.5]]
 
 
+@pytest.mark.parametrize("price", [0.0, 700.0])
+def test_a_tour_deposits_by_its_length_and_the_rules_it_dropped(price):
+    """One ant, one iteration: 0.9 + 0.1 * 1.5 * Q / (L + price * dropped) on its rapids, 0.9 elsewhere."""
+    parameters = AntColonyParameters(ants=1, deposit_mm=50.0, elite=0.5, dropped_price_mm=price)
+    dropped = set()
+    for seed in range(12):
+        instance, rules = square_parts(np.random.default_rng(seed), 3, 3), rules_of(PROCESS)
+        colony = Colony(instance, rules, parameters)
+        colony.iterate(np.random.default_rng(seed))
+        plan = colony.plan()
+        nodes = [colony.sheet.start, *(instance.node(*visit) for visit in plan.tours[0]), colony.sheet.start]
+        expected = np.full_like(colony.pheromone, 0.9)
+        counted = evaluate(instance, plan).total_travel_mm + price * colony.dropped
+        expected[nodes[:-1], nodes[1:]] += 0.1 * 1.5 * 50.0 / counted
+        assert colony.pheromone == pytest.approx(expected)
+        dropped.add(colony.dropped > 0)
+    assert dropped == {False, True}
+
+
 @given(SEEDS, st.sampled_from(SUBSETS), st.booleans())
 @settings(max_examples=60)
 def test_candidates_are_those_that_the_rules_allow(seed, subset, home):
@@ -310,6 +329,7 @@ def test_what_is_not_supported_is_named():
     [
         *[("ants", 0), ("iterations", 1.5), ("pheromone_exponent", -1), ("length_exponent", 11)],
         *[("x_exponent", float("nan")), ("persistence", 1.0), ("elite", 1.0), ("deposit_mm", 0.0)],
+        ("dropped_price_mm", -1.0),
     ],
 )
 def test_bad_parameters_are_named(field, value):
