@@ -48,6 +48,9 @@ LARGEST_EXPONENT = 10.0
 class AntColonyParameters:
     """Parameters of the ant colony; the source prints none.
 
+    The defaults did best of a few settings on generated nests other than the shipped one, at some 5 s a nest of
+    47 contours.
+
     Parameters
     ----------
     ants
@@ -73,11 +76,11 @@ class AntColonyParameters:
     ants: int = 30
     iterations: int = 200
     pheromone_exponent: float = 1.0
-    length_exponent: float = 3.0
+    length_exponent: float = 2.0
     x_exponent: float = 1.0
     persistence: float = 0.9
     deposit_mm: float | None = None
-    elite: float = 0.5
+    elite: float = 0.9
     dropped_price_mm: float = 0.0
     polish: bool = False
 

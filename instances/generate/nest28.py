@@ -2,7 +2,7 @@
 
 Their table gives, for 26 types of parts, number of pieces, perimeter and bounding box, on a sheet of 3000 x
 1800 mm. Every part here has exactly that box, and the perimeters of its rings add up to the printed figure,
-itself rounded to the millimetre, within 0.01 mm; its curves, which are polylines, within 0.1 %. Shapes, holes
+itself rounded to the millimetre, within 0.01 mm; its curves, which are polylines, within 0.05 %. Shapes, holes
 and places on the sheet are drawn: parts whose perimeter is well above that of their box get windows, holes or a
 notch, the others cut or rounded corners. Every nest has 28 outlines and 19 inner rings. The head's home is the
 sheet's corner (0, 0, 0).
@@ -119,7 +119,7 @@ def nest28(rng: np.random.Generator) -> Instance:
         outline = len(contours) + len(piece.rings) - 1
         precedence += [(inner, outline) for inner in range(len(contours), outline)]
         motion = Motion(piece.box, rng.random(2) < 0.5, bool(turn), place)
-        contours += [contour(piece, number, motion) for number in reversed(range(len(piece.rings)))]
+        contours += [contour(piece, number, motion) for number in (*range(1, len(piece.rings)), 0)]
     return Instance("nest28", tuple(contours), (Head("head", np.zeros(3)),), precedence=tuple(precedence))
 
 
@@ -143,7 +143,7 @@ def draw_rings(kind: Type, rng: np.random.Generator) -> list[Ring]:
 
 
 class Motion(NamedTuple):
-    """From a box at (0, 0) to its place: mirrored in x or y, then turned by 90 degrees, then moved."""
+    """From a box at (0, 0) to its place: perhaps mirrored in x or y, perhaps turned by 90 degrees, moved."""
 
     box: tuple[int, int]
     mirrored: Bools

@@ -44,7 +44,7 @@ def trapezoid(width: float, height: float, rng: np.random.Generator) -> Callable
 def gusset(width: float, height: float, rng: np.random.Generator) -> Callable[[float], Ring]:
     """One corner cut away, up to nearly the whole triangle."""
     x, y = width * rng.uniform(0.75, 0.92), height * rng.uniform(0.75, 0.92)
-    radius = min(float(rng.choice(SHARP_TO_SOFT)), 0.08 * min(width, height))
+    radius = float(rng.choice(SHARP_TO_SOFT))
     return lambda t: cut_plate(width, height, [(0, 0), (0, 0), (t * x, t * y), (0, 0)], radius)
 
 
@@ -95,16 +95,18 @@ def channel(width: float, height: float, rng: np.random.Generator) -> Callable[[
 def cut_plate(width: float, height: float, cuts: Sequence[Point], radius: float) -> Ring:
     """Return a rectangle with straight cuts (extent in x, in y) at its corners; corners not cut are rounded.
 
-    Corners are lower left, lower right, upper right, upper left.
+    Corners are lower left, lower right, upper right, upper left. The radius is less where cuts leave no room.
     """
+    (a, b), (c, d), (e, f), (g, h) = cuts
+    radius = min(radius, (width - max(a + c, e + g)) / 2, (height - max(b + h, d + f)) / 2)
     box = ((0.0, 0.0), (width, 0.0), (width, height), (0.0, height))
     corners: list[Point] = []
     radii: list[float] = []
-    for number, ((x, y), (a, b)) in enumerate(zip(box, cuts, strict=True)):
-        if a <= 0.0 or b <= 0.0:
+    for number, ((x, y), (along_x, along_y)) in enumerate(zip(box, cuts, strict=True)):
+        if along_x <= 0.0 or along_y <= 0.0:
             corners, radii = [*corners, (x, y)], [*radii, radius]
             continue
-        on_x, on_y = (x + (a if x == 0 else -a), y), (x, y + (b if y == 0 else -b))
+        on_x, on_y = (abs(x - along_x), y), (x, abs(y - along_y))
         # Counter-clockwise, the lower right and the upper left corner are reached along x.
         corners += [on_x, on_y] if number % 2 else [on_y, on_x]
         radii += [0.0, 0.0]

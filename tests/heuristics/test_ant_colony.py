@@ -75,7 +75,7 @@ def test_a_tour_deposits_by_its_length_and_the_rules_it_dropped(price):
     """One ant, one iteration: 0.9 + 0.1 * 1.5 * Q / (L + price * dropped) on its rapids, 0.9 elsewhere."""
     parameters = AntColonyParameters(ants=1, deposit_mm=50.0, elite=0.5, dropped_price_mm=price)
     dropped = set()
-    for seed in range(12):
+    for seed in range(40):
         instance, rules = square_parts(np.random.default_rng(seed), 3, 3), rules_of(PROCESS)
         colony = Colony(instance, rules, parameters)
         colony.iterate(np.random.default_rng(seed))
