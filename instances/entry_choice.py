@@ -27,7 +27,7 @@ def best_entries(
     """Return the cheapest tour of a head that cuts these contours in this order.
 
     Cheapest is least travel plus backward price, clear of contours of this tour if the rules ask for clear
-    rapids. Other rules depend on the order alone.
+    rapids. The other process rules depend on the order alone; via points are not heeded.
 
     Returns
     -------
