@@ -77,7 +77,12 @@ class Suite:
 FILE_SUITES: dict[str, str] = {"gtsp": ".gtsp", "pcgtsp": ".pcglns", "cutting-paths": ".txt"}
 """Suites ``NAME:PATH`` of files of one kind: name and suffix."""
 
-SUITE_RULES: dict[str, Rules] = dict.fromkeys(FILE_SUITES, Rules("travel"))
+SUITE_RULES: dict[str, Rules] = {
+    **dict.fromkeys(FILE_SUITES, Rules("travel")),
+    "nest28": Rules(
+        "travel", parts_in_one_go=True, neighbours_only=True, clear_rapids=True, backward_price=0.1
+    ),
+}
 """What suites ask for by themselves; all others ask for the least makespan."""
 
 

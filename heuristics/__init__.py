@@ -2,14 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
 
-from cutgap.heuristics.ant_colony import ant_colony
+from cutgap.heuristics.ant_colony import AntColonyParameters, ant_colony
 from cutgap.heuristics.clustering import fuzzy_c_means, k_means
 from cutgap.heuristics.local_search import local_search
-from cutgap.heuristics.sides import has_one_head, has_tours, has_two_sides
+from cutgap.heuristics.sides import has_one_head, has_tours, has_two_sides, on_curves
 from cutgap.heuristics.task_balancing import task_balancing
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.progress import Watch, nobody
@@ -59,12 +60,16 @@ class Heuristic:
         return self.make(instance, rules, rng=rng, watch=watch, time_limit=time_limit)
 
 
+PRICED = AntColonyParameters(dropped_price_mm=20_000.0)
+"""The reference's ants step across what is cut when they are stuck, and others follow; these pay for it."""
+
 HEURISTICS: dict[str, Heuristic] = {
     "task-balancing": Heuristic(task_balancing, has_two_sides),
     "k-means": Heuristic(k_means, has_two_sides),
     "fuzzy-c-means": Heuristic(fuzzy_c_means, has_two_sides),
     "local-search": Heuristic(local_search, has_tours),
     "ant-colony": Heuristic(ant_colony, has_one_head),
+    "priced-ant-colony": Heuristic(partial(ant_colony, parameters=PRICED), on_curves),
 }
 
 __all__ = [

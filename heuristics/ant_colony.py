@@ -48,8 +48,7 @@ LARGEST_EXPONENT = 10.0
 class AntColonyParameters:
     """Parameters of the ant colony; the source prints none.
 
-    The defaults did best of a few settings on generated nests other than the shipped one, at some 5 s a nest of
-    47 contours.
+    The defaults did best of a few settings on generated nests of 47 contours, at some 5 s a nest.
 
     Parameters
     ----------

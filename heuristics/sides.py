@@ -101,6 +101,11 @@ def has_one_head(instance: Instance, rules: Rules) -> bool:
     return True
 
 
+def on_curves(instance: Instance, rules: Rules) -> bool:
+    """Whether one head has to mind curves on its way."""
+    return (rules.neighbours_only or rules.clear_rapids) and has_one_head(instance, rules)
+
+
 def contour_xs(instance: Instance) -> Floats:
     """Return x of each contour's entry point 0, mm."""
     return instance.points[instance.first_node[:-1], 0]

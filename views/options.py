@@ -12,11 +12,8 @@ from cutgap.instances.formats.options import FAULTS, Fault
 from cutgap.instances.rules import Objective
 
 File = Annotated[
-<<<<<<< HEAD
-    Path, Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, .gtsp, .pcglns, .txt ...")
-=======
-    Path, Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, a list x y z r, .dxf, .svg.")
->>>>>>> 6d623ad (Drawings: DXF and SVG become parts, rings, precedence and entry points, read in a child process with limits)
+    Path,
+    Parameter(help="Instance: .json, .csv (id,x,y,z,perimeter), .tsp, .gtsp, .pcglns, .dxf, .svg ..."),
 ]
 PlanFile = Annotated[Path, Parameter(help="Plan, as written by solve --out.")]
 Json = Annotated[bool, Parameter(name="--json", help="Print JSON on stdout.")]
