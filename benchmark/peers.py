@@ -11,7 +11,7 @@ CP-SAT is its claim; what a certificate proves is in the column ``proved gap``.
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -158,6 +158,20 @@ BENCHMARKS: dict[str, tuple[tuple[str, ...], Callable[[Options], Iterator[Row]]]
 """Columns and rows of each benchmark."""
 
 
+def print_rows(title: str, columns: Sequence[str], rows: Iterable[Row]) -> None:
+    """Print rows as they come on stderr, and the whole table on stdout."""
+    table = Table(title=title)
+    for column in columns:
+        left = column in ("part", "instance", "objective", "method", "published")
+        table.add_column(column, justify="left" if left else "right")
+    for row in rows:
+        table.add_row(*row)
+        print("  ".join(row), file=sys.stderr, flush=True)
+    console = Console()
+    # A file has no width of its own.
+    (console if console.is_terminal else Console(width=160)).print(table)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmark that the command line names, and print its table."""
     parser = argparse.ArgumentParser(prog="python -m cutgap.benchmark.peers", description=__doc__)
@@ -170,15 +184,8 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     machine = Machine() if given.default_machine else FAST
     columns, rows = BENCHMARKS[given.name]
-    table = Table(title=f"{given.name}, seed {given.seed}")
-    for column in columns:
-        table.add_column(column, justify="left" if column in ("part", "objective", "method") else "right")
-    for row in rows(Options(machine, given.seed, tuple(given.holes), given.limit)):
-        table.add_row(*row)
-        print("  ".join(row), file=sys.stderr, flush=True)
-    console = Console()
-    # A file has no width of its own.
-    (console if console.is_terminal else Console(width=140)).print(table)
+    found = rows(Options(machine, given.seed, tuple(given.holes), given.limit))
+    print_rows(f"{given.name}, seed {given.seed}", columns, found)
     return 0
 
 
