@@ -9,7 +9,9 @@ from fractions import Fraction
 from itertools import groupby, pairwise
 from typing import Any
 
+from cutgap.formulations.certificate.curves import Curves
 from cutgap.formulations.certificate.problem import Problem
+from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certificate.reading import entries, integer, require, show
 from cutgap.formulations.certificate.rules import Rules, may_rest
 
@@ -23,10 +25,11 @@ Visit = tuple[int, int]
 
 def plan_value(problem: Problem, rules: Rules, value: Any) -> Fraction:
     """Return an upper bound on the objective of an allowed plan, s or mm; refuses plans that break a rule."""
-    on_curves = rules.neighbours_only or rules.clear_rapids
-    require(not on_curves, "plan: neighbours only and clear rapids are not checked here: leave it out")
     visits = _visits(problem, value)
     _check_order(problem, rules, visits)
+    if rules.neighbours_only or rules.clear_rapids:
+        require(len(visits) == 1, "plan: rules on curves are not checked for two heads here: leave it out")
+        _check_curves(problem, rules, visits[0])
     tours = [[node for _, node in tour] for tour in visits]
     _check_places(problem, rules, tours)
     legs = [_legs(problem, head, tour) for head, tour in enumerate(tours)]
@@ -71,6 +74,19 @@ def _check_order(problem: Problem, rules: Rules, tours: list[list[Visit]]) -> No
     for tour in tours if rules.parts_in_one_go else []:
         begun = [part for part, _ in groupby(problem.parts[contour] for contour, _ in tour)]
         require(len(set(begun)) == len(begun), "plan: a part is not cut in one go")
+
+
+def _check_curves(problem: Problem, rules: Rules, tour: list[Visit]) -> None:
+    """Check neighbours only and clear rapids on one head, where the order says what is cut."""
+    curves, cut = Curves(problem, Budget()), 0
+    for (one, v), (other, w) in pairwise(tour):
+        cut |= 1 << one
+        names = f"{show(problem.ids[one])} to {show(problem.ids[other])}"
+        clear = not rules.clear_rapids or curves.crossed(v, w) & cut == 0
+        require(clear, f"plan: the rapid from {names} crosses what is cut")
+        parts = problem.parts[one], problem.parts[other]
+        near = not rules.neighbours_only or parts[0] == parts[1] or curves.neighbours(*parts)
+        require(near, f"plan: the way from {names} is not to a neighbour")
 
 
 def _check_places(problem: Problem, rules: Rules, tours: list[list[int]]) -> None:

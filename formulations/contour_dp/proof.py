@@ -56,8 +56,7 @@ def contour_certificate(
         kept = 0.0 if step > 0.0 and rules.objective != "makespan" else margin
         return max(0, int(np.floor((bound + work - kept) * scale))), {"kind": "contour-dp", "walks": walks}
 
-    shown = None if rules.neighbours_only or rules.clear_rapids else plan
-    return certificate_of(instance, rules, shown, MULTIPLIERS_UNUSED, claim, scale)
+    return certificate_of(instance, rules, plan, MULTIPLIERS_UNUSED, claim, scale)
 
 
 def stays(instance: Instance) -> list[dict[str, object]]:

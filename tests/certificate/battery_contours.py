@@ -12,17 +12,18 @@ import numpy as np
 import pytest
 from oracles.entry_tours import best_plan
 from oracles.exact_sheet import _meet
-from oracles.random_instances import random_instance
+from oracles.random_instances import random_instance, random_plan
 from oracles.random_sheets import random_sheet
 
 from certificate.battery import battery
-from cutgap.instances import Contour, Head, Instance, Rules
+from cutgap.instances import Contour, Head, Instance, Rules, check
 from cutgap.instances.formats.json_format import format_instance
 from cutgap.instances.nesting import enclosures
 
 SCALE = 1000
 SWITCHES = ("parts_in_one_go", "neighbours_only", "clear_rapids")
 BEYOND = r"below the bound|costs nothing"
+ON_CURVES = r"crosses what is cut|not to a neighbour"
 Sample = tuple[Instance, Rules, float]
 
 
@@ -264,3 +265,30 @@ def curves_lie_in_curves(api: Any) -> None:
             assert curves._lies_in(inner, outer) == (outer in around[inner])
             seen += outer in around[inner]
     assert seen > 20
+
+
+@battery
+def plans_are_checked_against_curves(api: Any) -> None:
+    seen = {True: 0, False: 0}
+    for seed, (neighbours, clear) in product(range(12), ((True, False), (False, True), (True, True))):
+        rng = np.random.default_rng(seed)
+        sheet = random_sheet(rng, 5, homes=None, entries=2)
+        if seed >= 8:  # squares in a row, not all of them neighbours
+            sheet = Instance("row", tuple(square(name, i) for i, name in enumerate("abcde")), (Head("h"),))
+        rules = Rules("travel", neighbours_only=neighbours, clear_rapids=clear)
+        document = document_of(sheet)
+        problem = api.problem_of(document)
+        exact = api.rules_of(asdict(rules), problem)
+        for _ in range(10):
+            plan = random_plan(rng, sheet)
+            tours = [[[problem.ids[contour], entry] for contour, entry in tour] for tour in plan.tours]
+            broken = {each.constraint for each in check(sheet, rules, plan)}
+            if "precedence" in broken:
+                continue
+            seen[not broken] += 1
+            if broken:
+                with pytest.raises(api.Refused, match=ON_CURVES):
+                    api.plan.plan_value(problem, exact, tours)
+            else:
+                assert api.plan.plan_value(problem, exact, tours) > 0
+    assert min(seen.values()) > 20

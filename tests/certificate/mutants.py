@@ -312,8 +312,16 @@ MUTANTS = [
         ("cut == list(range(len(problem.ids)))", "True"),
         ("len(working) == len(tours) or", "True or"),
         ('integer(entry, "plan, entry", least=0) < len(nodes)', "True"),
-        ("rules.neighbours_only or rules.clear_rapids", "rules.neighbours_only"),
-        ("rules.neighbours_only or rules.clear_rapids", "rules.clear_rapids"),
+        ("require(len(visits) == 1", "require(True"),
+    ),
+    *mutants(
+        "plan.py",
+        "plans_are_checked_against_curves",
+        ("cut |= 1 << one", "cut |= 1 << other"),
+        ("not rules.clear_rapids or", "True or"),
+        ("not rules.neighbours_only or", "True or"),
+        ("if rules.neighbours_only or rules.clear_rapids", "if rules.neighbours_only"),
+        ("if rules.neighbours_only or rules.clear_rapids", "if rules.clear_rapids"),
     ),
     *mutants(
         "plan.py",
