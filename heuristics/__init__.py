@@ -9,6 +9,7 @@ import numpy as np
 
 from cutgap.heuristics.ant_colony import AntColonyParameters, ant_colony
 from cutgap.heuristics.clustering import fuzzy_c_means, k_means
+from cutgap.heuristics.entry_search import entry_search
 from cutgap.heuristics.local_search import local_search
 from cutgap.heuristics.sides import has_one_head, has_tours, has_two_sides, on_curves
 from cutgap.heuristics.task_balancing import task_balancing
@@ -68,6 +69,7 @@ HEURISTICS: dict[str, Heuristic] = {
     "k-means": Heuristic(k_means, has_two_sides),
     "fuzzy-c-means": Heuristic(fuzzy_c_means, has_two_sides),
     "local-search": Heuristic(local_search, has_tours),
+    "entry-search": Heuristic(entry_search, has_one_head),
     "ant-colony": Heuristic(ant_colony, has_one_head),
     "priced-ant-colony": Heuristic(partial(ant_colony, parameters=PRICED), on_curves),
 }
@@ -77,6 +79,7 @@ __all__ = [
     "Heuristic",
     "PlanMaker",
     "ant_colony",
+    "entry_search",
     "fuzzy_c_means",
     "k_means",
     "local_search",

@@ -28,8 +28,8 @@ from cutgap.heuristics.sides import Clock
 from cutgap.instances import Instance, Plan, Rules, Visit, evaluate
 from cutgap.instances.arrays import Floats, Ints, finite_number
 from cutgap.instances.check import require_coordinates
-from cutgap.instances.entry_choice import best_entries, blocking_crossings
-from cutgap.instances.process import WORD, Words, adjacent_parts, part_of, rapid_costs
+from cutgap.instances.entry_tours import best_entries, entry_task
+from cutgap.instances.process import WORD, Words, adjacent_parts, crossings, part_of, rapid_costs
 from cutgap.instances.progress import Progress, Watch, nobody
 
 SHORTEST = 1e-3
@@ -194,8 +194,9 @@ class Colony:
         plan = self.plan()
         if not self.parameters.polish:
             return plan
-        tour = best_entries(self.instance, self.rules, [visit.contour for visit in plan.tours[0]])
-        return plan if tour is None else Plan((tour,))
+        order = [visit.contour for visit in plan.tours[0]]
+        tour = best_entries(entry_task(self.instance, self.rules), order)
+        return Plan((tour.visits,)) if tour.barred == 0 else plan
 
 
 def attraction(instance: Instance, rules: Rules, parameters: AntColonyParameters) -> Floats:
@@ -252,7 +253,7 @@ def leg_sums(lengths: Floats, tours: Ints) -> Floats:
 def sheet_of(instance: Instance, rules: Rules) -> Sheet:
     """Return what the ants read."""
     parts, home = part_of(instance), instance.home_node(0)
-    count = int(parts.max()) + 1
+    count, places = int(parts.max()) + 1, int(instance.first_node[-1])
     before, outside = preceding(instance, parts, count)
     return Sheet(
         lengths=np.vstack((instance.rapids, np.zeros(instance.node_count))),
@@ -261,7 +262,7 @@ def sheet_of(instance: Instance, rules: Rules) -> Sheet:
         parts=parts,
         before=before,
         outside=outside,
-        crossed=blocking_crossings(instance, rules),
+        crossed=crossings(instance) if rules.clear_rapids else np.zeros((places, places, 0), dtype=np.uint64),
         adjacent=adjacent_parts(instance) if rules.neighbours_only else np.ones((count, count), dtype=np.bool_),
         in_one_go=rules.parts_in_one_go,
         start=instance.node_count if home is None else home,

@@ -18,7 +18,6 @@ import numpy as np
 import numpy.typing as npt
 
 from cutgap.instances.arrays import Floats, Ints
-from cutgap.instances.entry_choice import crosses
 from cutgap.instances.process import WORD, Bools, Words
 
 
@@ -55,6 +54,15 @@ class Sheet(NamedTuple):
     adjacent: Bools
     in_one_go: bool
     start: int
+
+
+@numba.njit(cache=True)
+def crosses(crossed: Words, cut: Words) -> bool:
+    """Whether two sets of contours have a contour in common."""
+    common = np.uint64(0)
+    for word in range(len(crossed)):
+        common |= crossed[word] & cut[word]
+    return common != 0
 
 
 class Ant(NamedTuple):

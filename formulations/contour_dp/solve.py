@@ -9,12 +9,16 @@ import numpy as np
 from cutgap.formulations.contour_dp.closing import Closing, Incumbent
 from cutgap.formulations.contour_dp.proof import contour_certificate
 from cutgap.formulations.contour_dp.walks import Walks, walk_problems
-from cutgap.instances import Instance, Plan, Result, Rules, Visit, conclude
+from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude, evaluate
 from cutgap.instances.arrays import Ints
 from cutgap.instances.check import require_coordinates
+from cutgap.instances.entry_tours import EntrySearch, entry_task
 from cutgap.instances.progress import Progress, Watch, nobody
 
 NAME = "contour-dp"
+
+START_ROUNDS, START_PIECE = 50, 200
+"""Rounds per contour of the search for a first plan, and rounds between looks at the clock."""
 
 
 def solve_contours(
@@ -132,13 +136,22 @@ class ContourSearch:
         return cost
 
     def _start(self, start: Plan | None) -> tuple[Plan | None, float]:
-        """Return the given plan and its cost in mm, if it keeps the rules."""
-        if start is not None:
-            result = conclude(self.instance, self.rules, start, method=NAME, seconds=0.0)
-            if result.evaluation is not None and not result.violations:
-                travel = result.evaluation.total_travel_mm
-                return start, travel + self.rules.backward_price * sum(result.evaluation.backward_mm)
-        return None, np.inf
+        """Return the better of the given plan and a quick search's, and its cost in mm; none if both break rules."""
+        search = EntrySearch(
+            entry_task(self.instance, self.rules),
+            START_ROUNDS * len(self.instance.contours),
+            rng=np.random.default_rng(0),
+        )
+        while not search.over and (search.done == 0 or time.perf_counter() < self.deadline):
+            search.run(START_PIECE)
+        best: tuple[Plan | None, float] = None, np.inf
+        for plan in (start, Plan((search.best.visits,))):
+            if plan is not None and not check(self.instance, self.rules, plan):
+                evaluation = evaluate(self.instance, plan)
+                backward = self.rules.backward_price * sum(evaluation.backward_mm)
+                if evaluation.total_travel_mm + backward < best[1]:
+                    best = plan, evaluation.total_travel_mm + backward
+        return best
 
     def _report(self) -> None:
         """Tell the watch, and turn a better walk into a plan."""
