@@ -1,7 +1,7 @@
 r"""The sheet under a cutting process: what a rapid crosses, which parts are neighbours, what a rapid costs.
 
-    (1) A rapid crosses a contour when its middle part, from v + t (w - v) to w - t (w - v) with t = 1e-6,
-        meets the contour's curve. The ends lie on curves themselves, and coordinates are rounded.
+    (1) A rapid crosses a contour when its middle part, from v + t (w - v) to w - t (w - v) with t = 10^-6,
+        meets the contour's curve. The ends lie on curves themselves. See ``crossing`` for how it is decided.
     (2) Parts A and B are neighbours when a rapid from an entry point of A to one of B crosses no contour of
         another part; parts that enclose A or B do not count as other parts.
     (3) cost of a rapid from v to w = its length + backward price * max(0, x_v - x_w)                 [mm]
@@ -16,15 +16,12 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-import shapely
 
 from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.crossing import mark_meetings
 from cutgap.instances.instance import Instance
 from cutgap.instances.nesting import enclosures
 from cutgap.instances.rules import Rules
-
-END_SHARE = 1e-6
-"""t of (1)."""
 
 WORD = 64
 """Contours per word of a set."""
@@ -80,28 +77,15 @@ def crossings(instance: Instance) -> Words:
         When a contour has no geometry.
     """
     require_geometry(instance, "what rapids cross")
-    places = int(instance.first_node[-1])
+    points = np.ascontiguousarray(instance.points[: int(instance.first_node[-1]), :2])
     words = (len(instance.contours) + WORD - 1) // WORD
-    table: Words = np.zeros((places, places, words), dtype=np.uint64)
-    # One by one: they differ in length.
-    curves = [shapely.linearrings(contour.geometry) for contour in instance.contours]
-    tree = shapely.STRtree(curves)
-    for v in range(places - 1):
-        others = np.arange(v + 1, places)
-        others = others[(instance.points[others, :2] != instance.points[v, :2]).any(axis=1)]
-        lines = _middles(instance.points[v, :2], instance.points[others, :2])
-        which, contours = tree.query(lines, "intersects")
-        bits = np.left_shift(np.uint64(1), (contours % WORD).astype(np.uint64))
-        np.bitwise_or.at(table, (v, others[which], contours // WORD), bits)
-        table[others, v] = table[v, others]
+    table: Words = np.zeros((words, len(points), len(points)), dtype=np.uint64)
+    for index, contour in enumerate(instance.contours):
+        if contour.geometry is not None:
+            mark_meetings(points, contour.geometry, table[index // WORD], np.uint64(1 << index % WORD))
+    table = np.ascontiguousarray(np.moveaxis(table, 0, 2))
     table.setflags(write=False)
     return table
-
-
-def _middles(start: Floats, ends: Floats) -> npt.NDArray[np.object_]:
-    """Return the middle parts of rapids from one point to others, as lines."""
-    steps = END_SHARE * (ends - start)
-    return shapely.linestrings(np.stack((start + steps, ends - steps), axis=1))
 
 
 def contours_in(words: Words) -> list[int]:

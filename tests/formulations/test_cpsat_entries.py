@@ -47,7 +47,7 @@ def assert_agrees(instance: Instance, rules: Rules, expected: float | None) -> N
 @pytest.mark.parametrize("name", RULES)
 def test_one_head(name, seed):
     rng = np.random.default_rng((list(RULES).index(name), seed))
-    instance = random_sheet(rng, int(rng.integers(1, 6)), homes=None)
+    instance = random_sheet(rng, int(rng.integers(1, 6)), homes=None, nested=float(rng.choice([0.1, 0.8])))
     rules = Rules(**{"objective": str(rng.choice(["travel", "makespan"])), **RULES[name]})
     best = best_plan(instance, rules)
     assert_agrees(instance, rules, best and best.value)

@@ -116,7 +116,7 @@ class _Search:
         nodes = [problem.node(*visit) for visit in tour]
         if home is not None:
             nodes = [home, *nodes]
-        if closed:
+        if closed and nodes:
             nodes.append(nodes[0])
         price = self.rules.backward_price
         return sum(problem.lengths[a][b] for a, b in pairwise(nodes)) + price * sum(

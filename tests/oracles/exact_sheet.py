@@ -114,6 +114,8 @@ def _between(a: Point, b: Point, c: Point) -> bool:
 
 def _meet(a: Point, b: Point, p: Point, q: Point) -> bool:
     """Whether the closed segments a b and p q have a point in common."""
+    if any(max(a[i], b[i]) < min(p[i], q[i]) or max(p[i], q[i]) < min(a[i], b[i]) for i in (0, 1)):
+        return False
     sides = (_turn(a, b, p), _turn(a, b, q), _turn(p, q, a), _turn(p, q, b))
     if sides[0] * sides[1] < 0 and sides[2] * sides[3] < 0:
         return True

@@ -16,6 +16,9 @@ Shape = Literal["polygons", "rectangles"]
 CELL = 200.0
 """Side of the square that an outermost contour has for itself, mm."""
 
+ROOM = 5.0
+"""No contour is drawn in a disc of a smaller radius, mm."""
+
 
 @dataclass(frozen=True)
 class _Disc:
@@ -54,7 +57,10 @@ def random_sheet(
         Whether each contour must be cut before the one that it lies in; ``None`` draws it.
     """
     shape = shape or ("polygons", "rectangles")[int(rng.integers(2))]
-    cells = [_Disc(CELL * (i % 3), CELL * (i // 3), CELL / 2, None) for i in rng.permutation(max(9, contours))]
+    # In one row each outline hides the next from the one before.
+    columns = int(rng.choice([1, 3, max(1, contours)]))
+    numbers = rng.permutation(contours)
+    cells = [_Disc(CELL * (i % columns), CELL * (i // columns), CELL / 2, None) for i in numbers]
     free: list[_Disc] = []
     found: list[Contour] = []
     pairs: list[tuple[int, int]] = []
@@ -66,7 +72,7 @@ def random_sheet(
         found.append(_contour(rng, index, curve, outside, entries))
         if disc.around is not None:
             pairs.append((index, disc.around))
-        if found[-1].ring != "hole":
+        if found[-1].ring != "hole" and room >= ROOM:
             free += _discs_in(rng, disc, room, index) if shape == "polygons" else [_within(disc, room, index)]
     if not (rng.random() < 0.5 if precedence is None else precedence):
         pairs = []
@@ -107,7 +113,7 @@ def _polygon(rng: np.random.Generator, disc: _Disc) -> tuple[Floats, float]:
     corners = int(rng.integers(3, 7))
     # Less than half a turn from corner to corner, so that the middle is inside.
     angles = 2 * np.pi * (np.arange(corners) + rng.uniform(0, 0.4, corners) + rng.random()) / corners
-    radii = disc.radius * rng.uniform(0.5, 0.98, corners)
+    radii = disc.radius * rng.uniform(0.6, 0.98, corners)
     offsets = radii[:, None] * np.column_stack((np.cos(angles), np.sin(angles)))
     nexts = np.roll(offsets, -1, axis=0)
     edges = nexts - offsets
