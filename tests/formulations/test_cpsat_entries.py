@@ -124,3 +124,11 @@ def test_a_start_with_entry_points_is_kept():
     found = solve_cpsat(instance, rules, workers=1, isolated=False)
     again = solve_cpsat(instance, rules, workers=1, isolated=False, start=found.plan, time_limit=0.0)
     assert again.plan == found.plan
+
+
+def test_a_contour_may_start_on_one_head_when_the_one_before_it_ends_on_the_other():
+    contours = (Contour("a", [[0, 0, 0]], 0.0), Contour("b", [[110, 0, 0]], 0.0))
+    heads = (Head("l"), Head("r", [100, 0, 0]))
+    instance = Instance("relay", contours, heads, Machine(v_jump=10.0, t_aux=1.0), precedence=((0, 1),))
+    result = solve_cpsat(instance, Rules("travel"), workers=1, isolated=False)
+    assert (result.status, result.plan) == ("optimal", Plan.of_contours([[0], [1]]))
