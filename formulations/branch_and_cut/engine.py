@@ -70,6 +70,9 @@ class BranchAndCut:
     tolerance
         A node is dropped when its bound is this near, relative to the larger of 1 and their size, to the
         incumbent or the cutoff.
+    step
+        A length that divides every value, 0 when none is known: a node is dropped when all of this lies not
+        between its bound and the incumbent, but for a thousandth that covers rounding.
     deadline
         ``time.perf_counter()`` at which to stop.
     """
@@ -81,6 +84,7 @@ class BranchAndCut:
         incumbent: tuple[float, Any] | None = None,
         cutoff: float = np.inf,
         tolerance: float = 0.0,
+        step: float = 0.0,
         deadline: float = np.inf,
         watch: Watch = nobody,
     ) -> None:
@@ -88,6 +92,7 @@ class BranchAndCut:
         self.incumbent = incumbent
         self.cutoff = cutoff
         self.tolerance = tolerance
+        self.step = step
         self.deadline = deadline
         self.watch = watch
         self.started = time.perf_counter()
@@ -103,7 +108,8 @@ class BranchAndCut:
         """The bound at which a node is dropped."""
         value = np.inf if self.incumbent is None else self.incumbent[0]
         target = min(value, self.cutoff)
-        return target - self.tolerance * max(1.0, abs(target)) if np.isfinite(target) else target
+        slack = max(self.tolerance * max(1.0, abs(target)), 0.999 * self.step)
+        return target - slack if np.isfinite(target) else target
 
     @property
     def lower_bound(self) -> float:

@@ -1,0 +1,352 @@
+r"""The shortest tour of one head through one entry point of each contour (GTSP), by branch and cut.
+
+    Nodes      0..n-1: entry points of contours in order, then the home as a contour of its own
+    Sets       C_h   nodes of contour h, 0..m-1, m >= 2
+    Data       l_e >= 0, symmetric rapid lengths between nodes of different contours           [mm]
+    Variables  y_v in {0, 1}  whether the tour passes node v                                   [-]
+               x_e in {0, 1}  whether it uses edge e ({0, 1, 2} for two contours)              [-]
+
+    min  sum_e l_e x_e
+    (1)  y(C_h) = 1                     each contour once
+    (2)  x(delta(v)) = 2 y_v            a node that is passed is entered and left
+    (3)  generalised subtours (G), separated
+    (4)  generalised combs (K), separated     (see ``generalized_cuts``)
+
+Edges enter the linear program when their reduced cost asks for it; after the root, those that reduced costs
+rule out are gone and, when few are left, all of them have entered.
+
+Source: Fischetti, Salazar, Toth (1995, 1997).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+
+from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
+from cutgap.formulations.branch_and_cut.entry_search import good_tour, improved_tour
+from cutgap.formulations.branch_and_cut.generalized_cuts import (
+    GeneralizedCut,
+    Point,
+    contour_combs,
+    minimum_cuts,
+    quick_cuts,
+)
+from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, NO_VALUES, Fixing, Model, Proof, Row
+from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY, TOLERANCE
+from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.progress import Watch, nobody
+
+NEIGHBOURS = 3
+"""Contours to whose nearest node each node has an edge in the first linear program."""
+
+START_ROUNDS = 300
+"""Rounds of local search a contour, before branch and cut."""
+
+ROUNDING = 3
+"""Rounds of local search a contour, at a fractional point."""
+
+
+class GeneralizedTourModel(Model):
+    """The model above, as the engine sees it.
+
+    Variable v < n is y_v; n + u * n + v with u < v is the edge u - v. The first n columns are the y.
+    """
+
+    def __init__(self, lengths: Floats, first: Ints, tour: Ints) -> None:
+        super().__init__()
+        self.lengths, self.first = np.ascontiguousarray(lengths), first
+        self.nodes, self.contours = len(lengths), len(first) - 1
+        self.contour_of = np.repeat(np.arange(self.contours), np.diff(first))
+        self.most = 2.0 if self.contours == 2 else 1.0
+        self.complete = False  # whether every edge that is left has a column
+        self.removed = self.contour_of[:, None] == self.contour_of
+        self.y_upper = np.ones(self.nodes)
+        self.rng = np.random.default_rng(0)
+        self.tails, self.heads = NO_COLUMNS, NO_COLUMNS
+        nothing, zeros = np.zeros(self.nodes, dtype=np.int64), np.zeros(self.nodes)
+        self.lp.add_columns(zeros, zeros, self.y_upper, nothing, NO_COLUMNS, NO_VALUES)
+        for h in range(self.contours):
+            members = np.flatnonzero(self.contour_of == h)
+            self.add_row(Row(("contour", h), 1.0, equal=True), members, np.ones(len(members)))
+        for v in range(self.nodes):
+            self.add_row(Row(("degree", v), 0.0, equal=True), np.array([v]), np.array([-2.0]))
+        self.permanent = len(self.rows)
+        self._add_edges(*self._initial_edges(tour))
+
+    @property
+    def cuts(self) -> list[GeneralizedCut]:
+        """The cuts among the rows, in their order."""
+        return [row.name for row in self.rows[self.permanent :] if isinstance(row.name, GeneralizedCut)]
+
+    def _initial_edges(self, tour: Ints) -> tuple[Ints, Ints]:
+        """Edges of the tour, and from each node to the nearest nodes of the nearest contours."""
+        nearest = np.empty((self.nodes, self.contours), dtype=np.int64)
+        for h in range(self.contours):
+            members = slice(self.first[h], self.first[h + 1])
+            nearest[:, h] = self.first[h] + np.argmin(self.lengths[:, members], axis=1)
+        gaps = np.take_along_axis(self.lengths, nearest, axis=1)
+        gaps[np.arange(self.nodes), self.contour_of] = np.inf
+        order = np.argsort(gaps, axis=1)[:, : min(NEIGHBOURS, self.contours - 1)]
+        near = np.take_along_axis(nearest, order, axis=1)
+        tails = np.concatenate([np.repeat(np.arange(self.nodes), near.shape[1]), tour])
+        heads = np.concatenate([near.ravel(), np.roll(tour, -1)])
+        keys = np.unique(np.minimum(tails, heads) * self.nodes + np.maximum(tails, heads))
+        return keys // self.nodes, keys % self.nodes
+
+    def _add_edges(self, tails: Ints, heads: Ints) -> None:
+        """Give edges (tails < heads) a column each."""
+        rows = [self.contours + tails, self.contours + heads]
+        columns = [np.arange(len(tails))] * 2
+        values = [np.ones(len(tails))] * 2
+        for index, cut in enumerate(self.cuts):
+            coefficients = cut.edge_coefficients(tails, heads, self.nodes)
+            hits = np.flatnonzero(coefficients)
+            rows.append(np.full(len(hits), self.permanent + index))
+            columns.append(hits)
+            values.append(coefficients[hits])
+        row, column, value = np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+        by_column = np.argsort(column, kind="stable")
+        starts = np.searchsorted(column[by_column], np.arange(len(tails)))
+        zeros, most = np.zeros(len(tails)), np.full(len(tails), self.most)
+        self.lp.add_columns(self.lengths[tails, heads], zeros, most, starts, row[by_column], value[by_column])
+        self.tails = np.concatenate([self.tails, tails])
+        self.heads = np.concatenate([self.heads, heads])
+
+    def _add_cut(self, cut: GeneralizedCut) -> None:
+        nodes = cut.node_coefficients(self.contour_of)
+        edges = cut.edge_coefficients(self.tails, self.heads, self.nodes)
+        coefficients = np.concatenate([nodes, edges])
+        hits = np.flatnonzero(coefficients)
+        self.add_row(Row(cut, cut.least), hits, coefficients[hits])
+
+    # Relaxation
+
+    def apply(self, fixings: Sequence[Fixing]) -> None:
+        lower = np.zeros(self.nodes + len(self.tails))
+        upper = np.concatenate([self.y_upper, np.full(len(self.tails), self.most)])
+        for fixing in fixings:
+            column = self._column(fixing.variable)
+            if column is not None:
+                lower[column], upper[column] = fixing.lower, min(fixing.upper, upper[column])
+        changed = np.flatnonzero((lower != self.lp.lower) | (upper != self.lp.upper))
+        self.lp.change_bounds(changed, lower[changed], upper[changed])
+
+    def _column(self, variable: int) -> int | None:
+        if variable < self.nodes:
+            return variable
+        u, v = divmod(variable - self.nodes, self.nodes)
+        found = np.flatnonzero((self.tails == u) & (self.heads == v))
+        return self.nodes + int(found[0]) if len(found) else None
+
+    def solve(self, iteration_limit: int | None = None) -> None:
+        while True:
+            self.solution = self.lp.solve(iteration_limit)
+            if self.complete or iteration_limit is not None or not self._price():
+                return
+
+    def multipliers(self) -> Floats:
+        """Return the row duals; a node that was ruled out gets one that leaves none of its edges below zero."""
+        duals = super().multipliers()
+        dead = self.y_upper == 0.0
+        if dead.any():
+            degree = duals[self.contours : self.contours + self.nodes]
+            degree[dead] = -max(0.0, float(degree[~dead].max()))
+        return duals
+
+    def reduced_costs(self, multipliers: Floats) -> tuple[Floats, Floats]:
+        """Return reduced costs of all y, shape (n,), and edges, shape (n, n); removed edges get infinity.
+
+        For a ray of an infeasible program the lengths are left out.
+        """
+        lengths = np.zeros_like(self.lengths) if self.solution.infeasible else self.lengths
+        contour, degree = multipliers[: self.contours], multipliers[self.contours : self.permanent]
+        nodes = 2.0 * degree - contour[self.contour_of]
+        masks, prices = [], []
+        for cut, price in zip(self.cuts, multipliers[self.permanent :], strict=True):
+            if price > 0.0:
+                nodes -= price * cut.node_coefficients(self.contour_of)
+                masks.append(cut.masks(self.nodes))
+                prices += [price] * len(cut.sets)
+        edges = lengths - degree[:, None] - degree
+        if masks:
+            _add_sets(edges, np.concatenate(masks), np.array(prices))
+        edges[self.removed] = np.inf
+        return nodes, edges
+
+    def _price(self) -> bool:
+        """Add the edges of most negative reduced cost; False when there are none."""
+        _, costs = self.reduced_costs(self.multipliers())
+        costs[self.tails, self.heads] = np.inf
+        tails, heads = np.nonzero(np.triu(costs < -1e-7, 1))
+        if len(tails) == 0:
+            return False
+        worst = np.argsort(costs[tails, heads])[: 2 * self.nodes]
+        self._add_edges(tails[worst], heads[worst])
+        return True
+
+    def column_terms(self) -> float:
+        nodes, costs = self.reduced_costs(self.multipliers())
+        costs = np.triu(costs, 1)
+        own = np.concatenate([nodes, costs[self.tails, self.heads]])
+        costs[self.tails, self.heads] = 0.0
+        terms = self.most * float(np.minimum(costs, 0.0).sum())
+        return terms + float(np.minimum(own * self.lp.lower, own * self.lp.upper).sum())
+
+    def tighten(self, cutoff: float) -> bool:
+        if not np.isfinite(cutoff):
+            return False
+        gap = cutoff - self.bound()
+        nodes, edges = self.reduced_costs(self.multipliers())
+        dead = (nodes > gap) & (self.y_upper > 0.0)
+        out = (edges > gap) & ~self.removed
+        if not (dead.any() or out.any()):
+            return False
+        self.y_upper[dead] = 0.0
+        self.removed |= out | dead[:, None] | dead
+        gone = np.flatnonzero(self.removed[self.tails, self.heads])
+        self.lp.delete_columns(gone + self.nodes)
+        self.solution = self.solution.without_columns(gone + self.nodes)
+        self.tails, self.heads = np.delete(self.tails, gone), np.delete(self.heads, gone)
+        self.apply(())
+        self._complete()
+        return True
+
+    def _complete(self) -> None:
+        """Give every edge that is left a column, when they are few."""
+        missing = np.triu(~self.removed, 1)
+        missing[self.tails, self.heads] = False
+        tails, heads = np.nonzero(missing)
+        if len(tails) + len(self.tails) <= COMPLETE * self.nodes:
+            self._add_edges(tails, heads)
+            self.solution = self.solution.with_columns(len(tails))
+            self.complete = True
+
+    # Cuts
+
+    def point(self) -> Point:
+        """Return the current fractional solution."""
+        x = self.solution.x[self.nodes :]
+        used = x > INTEGRALITY
+        y = np.where(self.solution.x[: self.nodes] > INTEGRALITY, self.solution.x[: self.nodes], 0.0)
+        return Point(self.contour_of, y, self.tails[used], self.heads[used], x[used])
+
+    def separate(self, *, thorough: bool) -> int:
+        self.forget_slack_rows()
+        point = self.point()
+        others = np.arange(1, self.contours)
+        added = self._add_new(quick_cuts(point))
+        if added == 0:
+            added = self._add_new(minimum_cuts(point, np.column_stack([others, np.zeros_like(others)])))
+        if added == 0 and thorough:
+            added = self._add_new(contour_combs(point, self._tight_sets(point), self.rng))
+            pairs = np.column_stack(np.triu_indices(self.contours, 1))
+            added += self._add_new(minimum_cuts(point, pairs[pairs[:, 0] > 0]))
+        return added
+
+    def _add_new(self, found: list[GeneralizedCut]) -> int:
+        known = set(self.cuts)
+        new = [cut for cut in found if cut not in known]
+        for cut in new:
+            self._add_cut(cut)
+        return len(new)
+
+    def _tight_sets(self, point: Point) -> list[frozenset[int]]:
+        """Return the sets of contours, from cuts, that the point crosses twice."""
+        tight = []
+        for cut in self.cuts:
+            if cut.pairs == ((None, None),):
+                mask = cut.masks(self.nodes)[0]
+                inside = frozenset(self.contour_of[mask].tolist())
+                whole = not (inside & frozenset(self.contour_of[~mask].tolist()))
+                if whole and point.crossing(mask) < 2.0 + INTEGRALITY:
+                    tight.append(inside)
+        return tight
+
+    # Search
+
+    def round(self) -> tuple[float, Ints] | None:
+        guide = self.lengths.copy()
+        columns = self.solution.x[self.nodes :]
+        used = columns > INTEGRALITY
+        discount = 1.0 - 0.9 * np.minimum(columns[used], 1.0)
+        guide[self.tails[used], self.heads[used]] *= discount
+        guide[self.heads[used], self.tails[used]] *= discount
+        _, tour = good_tour(guide, self.first, ROUNDING * self.contours, self.rng)
+        return improved_tour(self.lengths, self.first, tour, ROUNDING * self.contours, self.rng)
+
+    def candidates(self, most: int) -> list[int]:
+        """Prefer y; within each kind the nearest to a half."""
+        x = self.solution.x
+        distance = np.abs(x - np.floor(x) - 0.5)
+        fractional = np.flatnonzero(distance < 0.5 - INTEGRALITY)
+        order = fractional[np.argsort(distance[fractional], kind="stable")]
+        nodes = order[order < self.nodes]
+        columns = (nodes if len(nodes) else order)[:most]
+        return [self._variable(int(column)) for column in columns]
+
+    def _variable(self, column: int) -> int:
+        if column < self.nodes:
+            return column
+        edge = column - self.nodes
+        return int(self.nodes + self.tails[edge] * self.nodes + self.heads[edge])
+
+    def children(self, variable: int) -> tuple[Fixing, Fixing]:
+        column = self._column(variable)
+        assert column is not None
+        at = float(np.floor(self.solution.x[column]))
+        upper = self.most if column >= self.nodes else 1.0
+        return Fixing(variable, 0.0, at), Fixing(variable, at + 1.0, upper)
+
+
+@njit(cache=True)
+def _add_sets(edges: Floats, masks: np.ndarray, prices: Floats) -> None:
+    """Add the price of each set to the edges inside it, in place."""
+    for s in range(len(masks)):
+        members = np.flatnonzero(masks[s])
+        for u in members:
+            for v in members:
+                edges[u, v] += prices[s]
+
+
+def shortest_generalized_tour(
+    lengths: Floats,
+    first: Ints,
+    *,
+    start: Ints | None = None,
+    step: float = 0.0,
+    deadline: float = np.inf,
+    watch: Watch = nobody,
+) -> Outcome:
+    """Find the shortest closed tour through one node of each contour.
+
+    Parameters
+    ----------
+    lengths
+        Shape (n, n), mm, symmetric, not negative.
+    first
+        Shape (contours + 1,): contour h has the nodes first[h] .. first[h + 1] - 1; at least two contours.
+    start
+        Nodes of a tour to start from.
+    step
+        A length that divides all lengths of tours; 0 when none is known.
+
+    Returns
+    -------
+    Outcome
+        ``solution`` holds the nodes in order.
+    """
+    rng = np.random.default_rng(0)
+    contours = len(first) - 1
+    best = good_tour(lengths, first, START_ROUNDS * contours, rng)
+    if start is not None:
+        best = min(best, improved_tour(lengths, first, start, START_ROUNDS * contours, rng), key=lambda t: t[0])
+    search = BranchAndCut(
+        GeneralizedTourModel(lengths, first, best[1]),
+        incumbent=best,
+        tolerance=TOLERANCE,
+        step=step,
+        deadline=deadline,
+        watch=watch,
+    )
+    return search.run()
