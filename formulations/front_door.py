@@ -7,6 +7,7 @@ from typing import Any
 
 from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
+from cutgap.formulations.generalized_tour import solve_generalized_tour
 from cutgap.formulations.split import solve_split
 from cutgap.formulations.tour import solve_tour
 from cutgap.instances import Instance, Plan, Result, Rules, Status
@@ -23,6 +24,7 @@ def _solve_cpsat(instance: Instance, rules: Rules, **options: Any) -> Result:
 METHODS: dict[str, Callable[..., Result]] = {
     "tour": solve_tour,
     "contour-dp": solve_contours,
+    "gtsp": solve_generalized_tour,
     "split": solve_split,
     "free": solve_free,
     "cpsat": _solve_cpsat,

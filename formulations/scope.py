@@ -18,13 +18,19 @@ def require_two_heads(instance: Instance, rules: Rules, method: str, *, asymmetr
 def require_single_entries(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
     """Raise ``ValueError``, saying why, when a method for single entry points does not apply."""
     name = f"instance {instance.name!r}, method {method}"
+    require_free_order(instance, rules, method, asymmetric=asymmetric)
+    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
+    if several is not None:
+        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
+
+
+def require_free_order(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
+    """Raise ``ValueError``, saying why, when a method without process rules and precedence does not apply."""
+    name = f"instance {instance.name!r}, method {method}"
     require_coordinates(instance, rules)
     if rules.process:
         raise ValueError(f"{name}: does not take the rule {rules.process[0]}")
     if instance.precedence:
         raise ValueError(f"{name}: does not take precedence pairs")
-    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
-    if several is not None:
-        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
     if not asymmetric and instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
         raise ValueError(f"{name}: needs symmetric rapid lengths")

@@ -154,8 +154,9 @@ class BranchAndCut:
             if node.bound >= self.limit:
                 self.closed_bound = min(self.closed_bound, node.bound)
                 return True
-            if not node.fixings and self.model.tighten(self.limit):
-                self.fixes.append(self.model.proof())
+            if not node.fixings:
+                proof = self.model.proof()
+                self.fixes += [proof] if self.model.tighten(self.limit) else []
             if not self.model.separate(thorough=self._gains(bounds)):
                 break
         self._branch(node)

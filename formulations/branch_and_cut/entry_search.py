@@ -70,7 +70,9 @@ def _tour_length(lengths: Floats, tour: Ints) -> float:
 
 
 @njit(cache=True)
-def _search(lengths: Floats, first: Ints, near: Ints, tour: Ints, rounds: int, rng: np.random.Generator) -> tuple:
+def _search(
+    lengths: Floats, first: Ints, near: Ints, tour: Ints, rounds: int, rng: np.random.Generator
+) -> tuple:
     m = len(tour)
     contour_of = np.empty(len(lengths), dtype=np.int64)
     for h in range(m):

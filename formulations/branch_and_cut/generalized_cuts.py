@@ -172,12 +172,13 @@ def minimum_cuts(point: Point, pairs: Ints) -> list[GeneralizedCut]:
     found = _pair_cuts(graph, point.x, point.y[used], point.contour_of[used], pairs)
     masks = np.zeros((len(found), len(point.y)), dtype=bool)
     masks[:, used] = found
-    return violated(point, [point.strongest(mask) for mask in np.unique(masks, axis=0)])
+    different = {mask.tobytes(): mask for mask in masks}
+    return violated(point, [point.strongest(mask) for mask in different.values()])
 
 
 @njit(cache=True)
 def _pair_cuts(graph: Graph, x: Floats, y: Floats, contour_of: Ints, pairs: Ints) -> np.ndarray:
-    """Return masks of sets with x(delta(S)) + 2 y(C_h \\ S) + 2 y(S & C_k) < 2, which violate (G).
+    r"""Return masks of sets with x(delta(S)) + 2 y(C_h \ S) + 2 y(S & C_k) < 2, which violate (G).
 
     The source sends 2 y_v to each v of C_h, each v of C_k sends 2 y_v to the sink: this is a cut between them.
     """

@@ -32,7 +32,8 @@ from cutgap.formulations.branch_and_cut.generalized_cuts import (
     minimum_cuts,
     quick_cuts,
 )
-from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, NO_VALUES, Fixing, Model, Proof, Row
+from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, NO_VALUES, Fixing, Model, Row
+from cutgap.formulations.branch_and_cut.separation import Mask
 from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY, TOLERANCE
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.progress import Watch, nobody
@@ -45,6 +46,12 @@ START_ROUNDS = 300
 
 ROUNDING = 3
 """Rounds of local search a contour, at a fractional point."""
+
+SAMPLE = 3
+"""Pairs of contours, a contour, whose minimum cuts are looked at in each round."""
+
+FEW = 10
+"""With fewer cuts than this found, the minimum cuts of all pairs follow."""
 
 
 class GeneralizedTourModel(Model):
@@ -63,6 +70,7 @@ class GeneralizedTourModel(Model):
         self.removed = self.contour_of[:, None] == self.contour_of
         self.y_upper = np.ones(self.nodes)
         self.rng = np.random.default_rng(0)
+        self.parts: dict[GeneralizedCut, tuple[Mask, Floats]] = {}  # masks and node coefficients of cuts
         self.tails, self.heads = NO_COLUMNS, NO_COLUMNS
         nothing, zeros = np.zeros(self.nodes, dtype=np.int64), np.zeros(self.nodes)
         self.lp.add_columns(zeros, zeros, self.y_upper, nothing, NO_COLUMNS, NO_VALUES)
@@ -100,7 +108,8 @@ class GeneralizedTourModel(Model):
         columns = [np.arange(len(tails))] * 2
         values = [np.ones(len(tails))] * 2
         for index, cut in enumerate(self.cuts):
-            coefficients = cut.edge_coefficients(tails, heads, self.nodes)
+            masks = self.parts[cut][0]
+            coefficients = -(masks[:, tails] & masks[:, heads]).sum(axis=0).astype(np.float64)
             hits = np.flatnonzero(coefficients)
             rows.append(np.full(len(hits), self.permanent + index))
             columns.append(hits)
@@ -115,6 +124,7 @@ class GeneralizedTourModel(Model):
 
     def _add_cut(self, cut: GeneralizedCut) -> None:
         nodes = cut.node_coefficients(self.contour_of)
+        self.parts[cut] = cut.masks(self.nodes), nodes
         edges = cut.edge_coefficients(self.tails, self.heads, self.nodes)
         coefficients = np.concatenate([nodes, edges])
         hits = np.flatnonzero(coefficients)
@@ -163,10 +173,11 @@ class GeneralizedTourModel(Model):
         contour, degree = multipliers[: self.contours], multipliers[self.contours : self.permanent]
         nodes = 2.0 * degree - contour[self.contour_of]
         masks, prices = [], []
-        for cut, price in zip(self.cuts, multipliers[self.permanent :], strict=True):
+        for cut, price in zip(self.cuts, multipliers[self.permanent :].tolist(), strict=True):
             if price > 0.0:
-                nodes -= price * cut.node_coefficients(self.contour_of)
-                masks.append(cut.masks(self.nodes))
+                mine, coefficients = self.parts[cut]
+                nodes -= price * coefficients
+                masks.append(mine)
                 prices += [price] * len(cut.sets)
         edges = lengths - degree[:, None] - degree
         if masks:
@@ -186,6 +197,9 @@ class GeneralizedTourModel(Model):
         return True
 
     def column_terms(self) -> float:
+        if self.complete and not self.solution.infeasible:
+            own = self.solution.reduced_costs
+            return float(np.minimum(own * self.lp.lower, own * self.lp.upper).sum())
         nodes, costs = self.reduced_costs(self.multipliers())
         costs = np.triu(costs, 1)
         own = np.concatenate([nodes, costs[self.tails, self.heads]])
@@ -234,19 +248,20 @@ class GeneralizedTourModel(Model):
     def separate(self, *, thorough: bool) -> int:
         self.forget_slack_rows()
         point = self.point()
-        others = np.arange(1, self.contours)
-        added = self._add_new(quick_cuts(point))
-        if added == 0:
-            added = self._add_new(minimum_cuts(point, np.column_stack([others, np.zeros_like(others)])))
-        if added == 0 and thorough:
-            added = self._add_new(contour_combs(point, self._tight_sets(point), self.rng))
+        found = quick_cuts(point)
+        if thorough:
             pairs = np.column_stack(np.triu_indices(self.contours, 1))
-            added += self._add_new(minimum_cuts(point, pairs[pairs[:, 0] > 0]))
-        return added
+            self.rng.shuffle(pairs)
+            found += minimum_cuts(point, pairs[: SAMPLE * self.contours])
+            if len(found) < self.contours:
+                found += contour_combs(point, self._tight_sets(point), self.rng)
+            if len(found) < FEW:
+                found += minimum_cuts(point, pairs[SAMPLE * self.contours :])
+        return self._add_new(found)
 
     def _add_new(self, found: list[GeneralizedCut]) -> int:
         known = set(self.cuts)
-        new = [cut for cut in found if cut not in known]
+        new = [cut for cut in dict.fromkeys(found) if cut not in known]
         for cut in new:
             self._add_cut(cut)
         return len(new)
@@ -256,7 +271,7 @@ class GeneralizedTourModel(Model):
         tight = []
         for cut in self.cuts:
             if cut.pairs == ((None, None),):
-                mask = cut.masks(self.nodes)[0]
+                mask = self.parts[cut][0][0]
                 inside = frozenset(self.contour_of[mask].tolist())
                 whole = not (inside & frozenset(self.contour_of[~mask].tolist()))
                 if whole and point.crossing(mask) < 2.0 + INTEGRALITY:

@@ -1,6 +1,7 @@
 """Certificates: proofs of bounds that are checked in exact arithmetic, without a solver and without numpy."""
 
 from cutgap.formulations.certificate.checker import Verdict, verify
+from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
 from cutgap.formulations.certificate.problem import Problem, instance_hash, problem_of
 from cutgap.formulations.certificate.proof import one_tree_value
 from cutgap.formulations.certificate.reading import Refused
@@ -17,6 +18,7 @@ from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
 
 __all__ = [
     "Bounds",
+    "GeneralizedRelaxation",
     "Problem",
     "Refused",
     "Relaxation",

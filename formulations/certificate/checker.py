@@ -5,8 +5,8 @@
 
 The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
-head), ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``contour-dp`` (one
-head, entry points, precedence and process rules).
+head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with precedence and process rules),
+``split`` (two heads without overlap), ``two-heads`` (any two heads with homes).
 """
 
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from math import floor
 from typing import Any
 
 from cutgap.formulations.certificate.contour_dp import check_contours
+from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
 from cutgap.formulations.certificate.plan import plan_value
 from cutgap.formulations.certificate.problem import Problem, problem_of
 from cutgap.formulations.certificate.proof import Budget, check_tree
@@ -123,7 +124,9 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
     require(isinstance(proof, dict), "proof: expected an object")
     if proof.get("kind") in ("tour", "split", "two-heads"):
         problem.require_plain(proof["kind"])
-    if proof.get("kind") == "tour":
+    if proof.get("kind") == "gtsp":
+        _check_generalized(problem, rules, proof, (scale, multiplier_scale), bound, budget)
+    elif proof.get("kind") == "tour":
         table = fields(proof, "proof", "kind tour")
         _check_tour(problem, rules, table["tour"], (scale, multiplier_scale), bound, budget)
     elif proof.get("kind") == "split":
@@ -157,10 +160,36 @@ def _check_tour(
     require(len(problem.homes) == 1, "tour: needs one head")
     proved = prove_tour(problem, rules, tour, *scales, budget)
     require(proved.contours == (1 << len(problem.ids)) - 1, "tour: it leaves contours out")
-    worth = Fraction(proved.length)
+    _check_worth(problem, rules, proved.length, scales[0], bound)
+
+
+def _check_worth(problem: Problem, rules: Rules, length: int, scale: int, bound: int | None) -> None:
+    """Refuse unless a tour length of the only head is worth the claim."""
+    worth = Fraction(length)
     if rules.objective == "makespan":
-        worth += sum((problem.work(contour, scales[0]) for contour in range(len(problem.ids))), Fraction(0))
-    require(bound is not None and worth >= bound, "tour: proves less than the claimed bound")
+        worth += sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
+    require(bound is not None and worth >= bound, "the tour length proves less than the claimed bound")
+
+
+def _check_generalized(
+    problem: Problem, rules: Rules, proof: Any, scales: tuple[int, int], bound: int | None, budget: Budget
+) -> None:
+    """One head, one entry point of each contour; every tour's length is a multiple of ``step``."""
+    table = fields(proof, "proof", "kind length", "rows nodes")
+    length = integer(table["length"], "length")
+    require(len(problem.homes) == 1, "gtsp: needs one head")
+    require(not problem.precedence, "gtsp: takes no precedence")
+    require(problem.is_symmetric(), "gtsp: takes symmetric lengths")
+    if "rows" in table or "nodes" in table:
+        budget.spend(10 * len(problem.places) ** 2)
+        relaxation = GeneralizedRelaxation(problem, *scales)
+        whole = length % relaxation.step == 0
+        require(whole, f"length: must be a multiple of {show(relaxation.step)}, as all lengths are")
+        target = scales[1] * (length - relaxation.step) + 1
+        check_tree(relaxation, table.get("rows"), table.get("nodes"), target, budget)
+    else:
+        require(length <= 0, "a length above 0 needs rows and nodes")
+    _check_worth(problem, rules, length, scales[0], bound)
 
 
 def scientific(value: Fraction) -> str:

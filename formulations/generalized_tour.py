@@ -1,0 +1,171 @@
+"""One head and contours with any number of entry points: the best order and the best points, proved.
+
+With one head the makespan is its travel over v_jump plus a constant and there is no imbalance, so all
+objectives are the shortest tour's. The home is one more contour. See ``branch_and_cut.generalized_tour``.
+"""
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cutgap.formulations.branch_and_cut.engine import Outcome
+from cutgap.formulations.branch_and_cut.generalized_cuts import GeneralizedCut
+from cutgap.formulations.branch_and_cut.generalized_tour import shortest_generalized_tour
+from cutgap.formulations.branch_and_cut.model import Fixing
+from cutgap.formulations.certify import SCALE, Family, Rows, certificate_of, flat_tree
+from cutgap.formulations.scope import require_free_order
+from cutgap.formulations.split_proof import MULTIPLIER_SCALE
+from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude
+from cutgap.instances.arrays import Ints
+from cutgap.instances.progress import Progress, Watch, nobody
+
+LARGEST_STEPS = 2.0**30
+"""Whole lengths above this, in mm, do not count as whole: sums of them may lose their last digits."""
+
+ROUNDING = 1e-4
+"""Share of a step by which a bound may be too high."""
+
+
+def solve_generalized_tour(
+    instance: Instance,
+    rules: Rules,
+    *,
+    time_limit: float | None = None,
+    start: Plan | None = None,
+    certify: bool = False,
+    watch: Watch = nobody,
+) -> Result:
+    """Solve an instance with one head; the options are those of ``solve``.
+
+    Raises
+    ------
+    ValueError
+        When there are several heads, precedence pairs, process rules, via points from a home or asymmetric
+        lengths.
+    """
+    begun = time.perf_counter()
+    _require(instance, rules)
+    first, speed = _first_nodes(instance), instance.machine.v_jump
+    service = float(instance.service_times.sum())
+
+    def objective(length: float) -> float:
+        return length / speed + service if rules.objective == "makespan" else length
+
+    def report(state: Progress) -> None:
+        value = None if state.value is None else objective(state.value)
+        bound = None if state.lower_bound is None else objective(max(0.0, state.lower_bound))
+        watch(replace(state, value=value, lower_bound=bound))
+
+    outcome = Outcome(0.0, 0.0, np.arange(len(first) - 1), True, 0)  # at most one place to be
+    if len(first) > 2:
+        known = None if start is None or check(instance, rules, start) else _nodes(instance, start)
+        step = _step(instance)
+        outcome = shortest_generalized_tour(
+            instance.rapids,
+            first,
+            start=known,
+            step=step,
+            deadline=np.inf if time_limit is None else begun + time_limit,
+            watch=report,
+        )
+        outcome = replace(outcome, lower_bound=_rounded_up(max(0.0, outcome.lower_bound), step))
+    result = conclude(
+        instance,
+        rules,
+        _plan(instance, np.asarray(outcome.solution)),
+        method="gtsp",
+        seconds=time.perf_counter() - begun,
+        lower_bound=objective(outcome.lower_bound),
+        reason=None if outcome.complete else "stopped early",
+    )
+    return replace(result, certificate=_certificate(instance, rules, outcome, result)) if certify else result
+
+
+def _require(instance: Instance, rules: Rules) -> None:
+    name = f"instance {instance.name!r}, method gtsp"
+    if len(instance.heads) != 1:
+        raise ValueError(f"{name}: needs one head, got {len(instance.heads)}")
+    require_free_order(instance, rules, "gtsp")
+    if rules.via_points and instance.home_node(0) is not None:
+        raise ValueError(f"{name}: does not take via points of a head with a home")
+
+
+def _first_nodes(instance: Instance) -> Ints:
+    """Return the first node of each contour, the home as the last one, then the number of nodes."""
+    home = instance.home_node(0)
+    return instance.first_node if home is None else np.append(instance.first_node, home + 1)
+
+
+def _nodes(instance: Instance, plan: Plan) -> Ints:
+    home = instance.home_node(0)
+    nodes = [instance.node(*visit) for visit in plan.tours[0]]
+    return np.array(nodes if home is None else [home, *nodes], dtype=np.int64)
+
+
+def _plan(instance: Instance, nodes: Ints) -> Plan:
+    """Return the plan of a tour, from the home on, or else from a leftmost point."""
+    count = int(instance.first_node[-1])
+    turn = np.argmax(nodes) if instance.home_node(0) is not None else np.argmin(instance.points[nodes, 0])
+    stops = [node for node in np.roll(nodes, -turn).tolist() if node < count]
+    contours = np.searchsorted(instance.first_node, stops, side="right") - 1
+    pairs = zip(contours.tolist(), (stops - instance.first_node[contours]).tolist(), strict=True)
+    return Plan((tuple(Visit(*pair) for pair in pairs),))
+
+
+def _step(instance: Instance) -> float:
+    """Return the greatest common divisor of whole lengths in a matrix; 0 when they are no whole numbers."""
+    first = _first_nodes(instance)
+    contour_of = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    lengths = instance.rapids[contour_of[:, None] != contour_of]
+    if instance.matrix is None or (lengths != np.floor(lengths)).any() or (lengths > LARGEST_STEPS).any():
+        return 0.0
+    return float(np.gcd.reduce(lengths.astype(np.int64)))
+
+
+def _rounded_up(bound: float, step: float) -> float:
+    """Return the bound as the multiple of ``step`` that tours must reach."""
+    return bound if step == 0.0 else float(np.ceil(bound / step - ROUNDING)) * step
+
+
+def _certificate(instance: Instance, rules: Rules, outcome: Outcome, result: Result) -> dict[str, Any] | None:
+    step = _step(instance)
+
+    def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
+        proof: dict[str, Any] = {"kind": "gtsp", "length": 0}
+        if outcome.root is not None:
+            length = outcome.lower_bound if step else max(0.0, outcome.lower_bound - margin)
+            proof["length"] = int(length) * SCALE if step else int(length * SCALE)
+            proof |= _tree(outcome, instance.node_count, length)
+        work = 0.0
+        if rules.objective == "makespan":
+            work = float(instance.service_times.sum()) * instance.machine.v_jump - margin
+        return proof["length"] + max(0, int(work * SCALE)), proof
+
+    return certificate_of(instance, rules, result.plan, MULTIPLIER_SCALE, claim)
+
+
+def _tree(outcome: Outcome, nodes: int, target: float) -> dict[str, Any]:
+    """Return ``rows`` and ``nodes`` of the proof."""
+    assert outcome.root is not None
+    rows = Rows(_family)
+
+    def variable(fixing: Fixing) -> list[Any]:
+        if fixing.variable < nodes:
+            return ["y", fixing.variable]
+        return ["x", *divmod(fixing.variable - nodes, nodes)]
+
+    tree = flat_tree(outcome.root, outcome.fixes, rows, variable, target)
+    return {"rows": rows.names, "nodes": tree}
+
+
+def _family(name: Any) -> Family:
+    """Name the rows of the model."""
+    factor = float(SCALE * MULTIPLIER_SCALE)
+    if not isinstance(name, GeneralizedCut):
+        return list(name), factor
+    sets = [sorted(members) for members in name.sets]
+    if len(sets) == 1:
+        return ["border", sets[0], *name.pairs[0]], factor
+    return ["comb", sets, [list(pair) for pair in name.pairs]], factor
