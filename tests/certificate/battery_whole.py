@@ -13,6 +13,7 @@ from oracles.random_instances import LAYOUTS, Layout
 
 from certificate.battery import battery
 from certificate.forgeries import FORGERIES, PLANS
+from certificate.forgeries_generalized import GENERALIZED
 from certificate.plans import all_plans
 from certificate.producer import MULTIPLIER_SCALE
 from certificate.samples import (
@@ -78,7 +79,8 @@ def leaves_count_to_the_last_unit(api: Any) -> None:
 
 @battery
 def forgeries_are_refused(api: Any) -> None:
-    for name, base, forge, message in FORGERIES:
+    generalized = ((f"gtsp: {name}", "gtsp", forge, message) for name, forge, message in GENERALIZED)
+    for name, base, forge, message in (*FORGERIES, *generalized):
         made = copy.deepcopy(sample(base))
         forge(made.certificate, made.document)
         try:

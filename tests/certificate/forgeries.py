@@ -122,7 +122,7 @@ def same_ids(certificate: Document, document: Document) -> None:
 
 
 def asymmetric(certificate: Document, document: Document) -> None:
-    nodes = len(document["contours"]) + len(document["heads"])
+    nodes = sum(len(each["entry_points"]) for each in document["contours"]) + len(document["heads"])
     document["machine"]["metric"] = "matrix"
     document["matrix"] = [[abs(i - j) for j in range(nodes)] for i in range(nodes)]
     document["matrix"][0][1] = 2
@@ -162,6 +162,7 @@ FORGERIES: list[tuple[str, str, Forge, str]] = [
     ("kind", "tour", setting("proof", "kind", "authority"), "no kind"),
     ("no proof", "tour", setting("proof", None), "proof"),
     ("other kind", "split", setting("proof", {"kind": "tour", "tour": {}}), "one head"),
+    ("gtsp for two heads", "split", setting("proof", {"kind": "gtsp", "length": 0}), "one head"),
     ("split for one head", "tour", setting("proof", {"kind": "split", "tours": [], "ties": []}), "two heads"),
     ("two-heads for one head", "tour", setting("proof", {"kind": "two-heads", "rows": [], "nodes": []}), "two"),
     # The instance.

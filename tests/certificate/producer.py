@@ -36,6 +36,27 @@ def tour_rows(count: int, via: bool) -> list[list[Any]]:
     return rows + [["via"]] * via
 
 
+def generalized_rows(relaxation: Any) -> list[list[Any]]:
+    """Every row but combs; where a set and its outside hold whole contours, only the row that says so."""
+    contours, nodes = relaxation.contours, range(relaxation.count)
+    rows: list[list[Any]] = [["contour", h] for h in range(len(contours))]
+    rows += [["degree", v] for v in nodes]
+    for inside in subsets(nodes, 2):
+        if 2 * len(inside) <= len(nodes):
+            outside = [v for v in nodes if v not in inside]
+            rows += [
+                ["border", inside, h, k] for h in asked(contours, inside) for k in asked(contours, outside)
+            ]
+    return rows
+
+
+def asked(contours: list[Any], part: list[int]) -> list[int | None]:
+    """What a row may ask of a part: a whole contour, else each contour that has a node there."""
+    if any(set(contour) <= set(part) for contour in contours):
+        return [None]
+    return [h for h, contour in enumerate(contours) if set(contour) & set(part)]
+
+
 def two_heads_rows(problem: Problem, rules: Any) -> list[list[Any]]:
     """Every row of the relaxation but combs of teeth."""
     count, heads = len(problem.ids), (0, 1)
@@ -69,7 +90,8 @@ def variable_names(relaxation: Relaxation, count: int) -> dict[int, list[Any]]:
         names += [["x", a, u, v] for a in (0, 1) for u, v in combinations(range(-1, count), 2)]
         names += [["e", 0], ["e", 1]] if relaxation.e is not None else []
     else:
-        names = [["x", u, v] for u, v in combinations(range(count), 2)]
+        names = [["y", v] for v in range(count)] if hasattr(relaxation, "contours") else []
+        names += [["x", u, v] for u, v in combinations(range(count), 2)]
     return {relaxation.variable(name): name for name in names}
 
 

@@ -10,8 +10,16 @@ import numpy as np
 from oracles.brute_force import brute_force
 from oracles.random_instances import Layout, random_instance
 
-from certificate.producer import MULTIPLIER_SCALE, Prover, subsets, tour_rows, two_heads_rows
+from certificate.producer import (
+    MULTIPLIER_SCALE,
+    Prover,
+    generalized_rows,
+    subsets,
+    tour_rows,
+    two_heads_rows,
+)
 from cutgap.formulations.certificate import (
+    GeneralizedRelaxation,
     Problem,
     Refused,
     TwoHeadsRelaxation,
@@ -155,6 +163,22 @@ def tour_sample(instance: Instance, rules: Rules, fix: bool = True) -> Sample:
     return frame(instance, rules, {"kind": "tour", "tour": tour}, bound, with_plan=True)
 
 
+def generalized_sample(instance: Instance, rules: Rules) -> Sample:
+    problem = problem_of(document_of(instance))
+    best = brute_force(instance, rules)
+    assert best is not None
+    work = sum(problem.work(c, SCALE) for c in range(len(problem.ids))) if rules.objective == "makespan" else 0
+    relaxation = GeneralizedRelaxation(problem, SCALE, MULTIPLIER_SCALE)
+    # Floors lose up to a unit a leg, rounded multipliers a few more.
+    length = int(sum(best.figures.travel) * SCALE) // relaxation.step * relaxation.step
+    length -= 2 * len(relaxation.contours) if relaxation.step == 1 else 0
+    rows = generalized_rows(relaxation)
+    target = MULTIPLIER_SCALE * (length - relaxation.step) + 1
+    nodes = Prover(relaxation, rows, relaxation.count).prove(target)
+    proof = {"kind": "gtsp", "length": length, "rows": rows, "nodes": nodes}
+    return frame(instance, rules, proof, int(length + work), with_plan=True)
+
+
 def raised(sample: Sample) -> Sample:
     """The sample with the largest bound that its proof is worth, found by bisection."""
     certificate = {**sample.certificate, "plan": None}
@@ -173,6 +197,23 @@ def instance_of(seed: int, holes: int, layout: Layout, **options: Any) -> Instan
     return random_instance(np.random.default_rng(seed), holes, layout=layout, **options)
 
 
+def symmetric(instance: Instance) -> Instance:
+    """The instance with a matrix and its transpose added up."""
+    assert instance.matrix is not None
+    return replace(instance, matrix=instance.matrix + instance.matrix.T)
+
+
+def entries_of(seed: int, holes: int, **options: Any) -> Instance:
+    """An instance of one head, each contour with two entry points."""
+    instance = instance_of(seed, 2 * holes, "uniform", heads=1, **options)
+    points = [contour.entry_points for contour in instance.contours]
+    contours = [
+        replace(contour, entry_points=np.concatenate(points[2 * i : 2 * i + 2]))
+        for i, contour in enumerate(instance.contours[:holes])
+    ]
+    return replace(instance, contours=tuple(contours))
+
+
 WEIGHTED = {"objective": "weighted", "weight": 40.0}
 
 CASES: dict[str, tuple[Any, Instance, Rules]] = {
@@ -184,6 +225,13 @@ CASES: dict[str, tuple[Any, Instance, Rules]] = {
         Rules(objective="travel", via_points=True),
     ),
     "small tour": (tour_sample, instance_of(4, 2, "uniform", heads=1), Rules("travel")),
+    "gtsp": (generalized_sample, entries_of(16, 3), Rules("travel")),
+    "gtsp, matrix": (
+        generalized_sample,
+        symmetric(entries_of(17, 3, homes=False, metric="matrix")),
+        Rules("travel"),
+    ),
+    "gtsp, makespan": (generalized_sample, entries_of(18, 1), Rules()),
     "split": (split_sample, instance_of(5, 5, "uniform"), Rules()),
     "split with ties": (split_sample, instance_of(3, 4, "grid"), Rules()),
     "split with via points": (split_sample, instance_of(7, 5, "uniform"), Rules(**WEIGHTED, via_points=True)),
@@ -269,12 +317,6 @@ def thin_instance(rng: np.random.Generator, xs: list[int]) -> Instance:
     perimeters = rng.uniform(0, 400, holes)
     contours = tuple(Contour(f"c{i}", points[i][None], float(perimeters[i])) for i in range(holes))
     return Instance("thin", contours, tuple(Head(f"h{i}", points[holes + i]) for i in (0, 1)), Machine())
-
-
-def symmetric(instance: Instance) -> Instance:
-    """The instance with a matrix and its transpose added up."""
-    assert instance.matrix is not None
-    return replace(instance, matrix=instance.matrix + instance.matrix.T)
 
 
 def with_matrix(rng: np.random.Generator, instance: Instance) -> Instance:

@@ -7,6 +7,7 @@ import pytest
 
 from certificate import (  # noqa: F401, they enter their checks
     battery_contours,
+    battery_generalized,
     battery_problem,
     battery_rows,
     battery_split,

@@ -9,15 +9,19 @@ import pytest
 
 from certificate import (  # noqa: F401, they enter their checks
     battery_contours,
+    battery_generalized,
     battery_problem,
     battery_rows,
     battery_split,
     battery_whole,
 )
 from certificate.battery import CHECKS
-from certificate.mutants import MUTANTS, Mutant
+from certificate.mutants import MUTANTS as PLAIN
+from certificate.mutants import Mutant
+from certificate.mutants_generalized import GENERALIZED
 from cutgap.formulations import certificate
 
+MUTANTS = [*PLAIN, *GENERALIZED]
 SOURCE = Path(certificate.__file__).parent
 
 
