@@ -106,9 +106,11 @@ def _nodes(instance: Instance, plan: Plan) -> Ints:
 
 def _plan(instance: Instance, nodes: Ints) -> Plan:
     """Return the plan of a tour, from the home on, or else from a leftmost point."""
-    count = int(instance.first_node[-1])
-    turn = np.argmax(nodes) if instance.home_node(0) is not None else np.argmin(instance.points[nodes, 0])
-    stops = [node for node in np.roll(nodes, -turn).tolist() if node < count]
+    if not instance.contours:
+        return Plan(((),))
+    home = instance.home_node(0)
+    turn = np.argmin(instance.points[nodes, 0] if home is None else nodes != home)
+    stops = [node for node in np.roll(nodes, -turn).tolist() if node != home]
     contours = np.searchsorted(instance.first_node, stops, side="right") - 1
     pairs = zip(contours.tolist(), (stops - instance.first_node[contours]).tolist(), strict=True)
     return Plan((tuple(Visit(*pair) for pair in pairs),))

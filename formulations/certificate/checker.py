@@ -183,9 +183,9 @@ def _check_generalized(
     if "rows" in table or "nodes" in table:
         budget.spend(10 * len(problem.places) ** 2)
         relaxation = GeneralizedRelaxation(problem, *scales)
-        whole = length % relaxation.step == 0
-        require(whole, f"length: must be a multiple of {show(relaxation.step)}, as all lengths are")
-        target = scales[1] * (length - relaxation.step) + 1
+        # The multiple of step below the length: what costs more costs the length.
+        below = (length - 1) // relaxation.step * relaxation.step
+        target = scales[1] * below + 1
         check_tree(relaxation, table.get("rows"), table.get("nodes"), target, budget)
     else:
         require(length <= 0, "a length above 0 needs rows and nodes")

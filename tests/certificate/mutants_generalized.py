@@ -46,9 +46,13 @@ GENERALIZED = [
     ),
     Mutant("generalized.py", "gcd(self.step, cost)", "max(self.step, cost)", STEPS),
     Mutant("generalized.py", "gcd(self.step, cost)", "1", STEPS),
-    Mutant("checker.py", "(length - relaxation.step) + 1", "(length - 2 * relaxation.step) + 1", STEPS),
-    Mutant("checker.py", "(length - relaxation.step) + 1", "length + 1", "samples_are_verified"),
-    Mutant("checker.py", "whole = length % relaxation.step == 0", "whole = True", STEPS),
+    *mutants(
+        "checker.py",
+        STEPS,
+        ("(length - 1) // relaxation.step", "(length - 2 * relaxation.step) // relaxation.step"),
+        ("(length - 1) // relaxation.step", "(length - relaxation.step) // relaxation.step"),
+        ("(length - 1) // relaxation.step", "length // relaxation.step"),
+    ),
     *mutants(
         "checker.py",
         FORGED,

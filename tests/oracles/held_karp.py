@@ -40,3 +40,25 @@ def shortest_tour(lengths: Sequence[Sequence[float]], first: int | None = None) 
         else:
             subset = 0
     return length, [0, *reversed(order)]
+
+
+def shortest_generalized_tour(lengths: Sequence[Sequence[float]], contours: Sequence[Sequence[int]]) -> float:
+    """Return the length of a shortest closed tour through one node of each contour.
+
+    The last contour is the start; best[subset, v] is the shortest way from it through the subset to v.
+    """
+    *others, start = contours
+    everything = (1 << len(others)) - 1
+    shortest = float("inf")
+    for first in start:
+        best = {(1 << h, v): lengths[first][v] for h, nodes in enumerate(others) for v in nodes}
+        for subset in range(1, everything + 1):
+            inside = [h for h in range(len(others)) if subset >> h & 1]
+            for h in inside if len(inside) > 1 else []:
+                before = subset & ~(1 << h)
+                reach = [(best[before, u], u) for k in inside if k != h for u in others[k]]
+                for v in others[h]:
+                    best[subset, v] = min(length + lengths[u][v] for length, u in reach)
+        ends = (best[everything, v] + lengths[v][first] for nodes in others for v in nodes)
+        shortest = min(shortest, *ends)
+    return shortest
