@@ -162,7 +162,8 @@ def _fans(point: Point) -> Iterator[Mask]:
 
 def minimum_cuts(point: Point, pairs: Ints) -> list[GeneralizedCut]:
     """Return violated (G) for pairs h, k of contours, shape (pairs, 2): one minimum cut each, exact."""
-    used = np.flatnonzero(point.y > 0.0)
+    # Not by y: an edge within rounding of zero must find its ends too.
+    used = np.unique(np.concatenate([point.tails, point.heads]))
     place = np.zeros(len(point.y), dtype=np.int64)
     place[used] = np.arange(len(used))
     small = np.arange(len(used))
