@@ -246,7 +246,7 @@ def cells(row: TableRow) -> dict[str, object]:
     found: dict[str, object] = {
         "part": row.instance,
         "contours": row.contours,
-        "rules": describe(row.rules),
+        "rules": describe(row.rules, row.best.heads),
         "method": row.method,
         "runs": row.runs,
         "allowed_runs": row.allowed,

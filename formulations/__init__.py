@@ -7,9 +7,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cutgap.formulations.front_door import METHODS, resolve, solve
+    from cutgap.formulations.front_door import METHODS, choose, resolve, solve
 
-__all__ = ["METHODS", "resolve", "solve"]
+__all__ = ["METHODS", "choose", "resolve", "solve"]
 
 
 def __getattr__(name: str) -> Any:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
@@ -29,15 +29,50 @@ METHODS: dict[str, Callable[..., Result]] = {
     "free": solve_free,
     "cpsat": _solve_cpsat,
 }
-"""Exact methods by name; ``auto`` chooses among all but CP-SAT, whose bounds are claims."""
+"""Exact methods by name; ``auto`` takes CP-SAT, whose bounds are claims, only where no other one applies."""
+
+
+class Choice(NamedTuple):
+    """An exact method by name, and why it suits."""
+
+    method: str
+    why: str
+
+
+FEW_CONTOURS = 36
+"""Up to so many contours their dynamic programme closes faster than branch and cut."""
+
+
+def choose(instance: Instance, rules: Rules) -> Choice:
+    """Return the most special exact method that applies, and why."""
+    ordered = bool(instance.precedence) or bool(rules.process)
+    symmetric = instance.matrix is None or bool((instance.matrix == instance.matrix.T).all())
+    single = all(len(contour.entry_points) == 1 for contour in instance.contours)
+    if len(instance.heads) == 1:
+        if single and symmetric and not ordered:
+            return Choice("tour", "one head and one entry point for each contour, in any order")
+        if rules.via_points:
+            return Choice("cpsat", "via points among entry points")
+        if ordered:
+            asked = ", ".join([*(["precedence"] if instance.precedence else []), *rules.process])
+            return Choice("contour-dp", f"one head under {asked}")
+        if not symmetric or len(instance.contours) <= FEW_CONTOURS:
+            reason = "few contours" if symmetric else "lengths that differ by direction"
+            return Choice("contour-dp", f"one head, entry points, {reason}")
+        return Choice("gtsp", f"one head, entry points, more than {FEW_CONTOURS} contours in any order")
+    if len(instance.heads) > 2 or not single or ordered or not symmetric:
+        return Choice(
+            "cpsat", "two heads with entry points, precedence, process rules or a direction of lengths"
+        )
+    if rules.non_overlap is None:
+        return Choice("free", "two heads whose ranges may overlap")
+    return Choice("split", "two heads whose ranges must not overlap")
 
 
 def resolve(method: str, instance: Instance, rules: Rules) -> str:
-    """Return the name of an exact method; ``auto`` takes the most special one that applies."""
+    """Return the name of an exact method; ``auto`` takes the one of ``choose``."""
     if method == "auto":
-        if len(instance.heads) == 1:
-            return "tour"
-        return "free" if rules.non_overlap is None else "split"
+        return choose(instance, rules).method
     if method not in METHODS:
         raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
     return method

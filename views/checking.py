@@ -47,7 +47,8 @@ def check(
         }
         print(json_library.dumps(fields, indent=2, allow_nan=False))
         return 1 if violations else 0
-    print(f"{instance.name}: the plan {'breaks rules' if violations else 'is allowed'} ({describe(asked)})")
+    verdict, words = "breaks rules" if violations else "is allowed", describe(asked, len(instance.heads))
+    print(f"{instance.name}: the plan {verdict} ({words})")
     for violation in violations:
         print(f"  broken         {violation}")
     print_evaluation(instance, tours, evaluation)

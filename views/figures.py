@@ -13,6 +13,7 @@ def evaluation_fields(evaluation: Evaluation) -> dict[str, Any]:
         "makespan_s": evaluation.makespan_s,
         "imbalance_s": evaluation.imbalance_s,
         "partition_gap_mm": evaluation.partition_gap_mm,
+        "backward_mm": list(evaluation.backward_mm),
         "peak_temperature_c": evaluation.peak_temperature_c,
     }
 
@@ -23,6 +24,8 @@ def print_evaluation(instance: Instance, plan: Plan, evaluation: Evaluation) -> 
     for head, tour, travel, time in figures:
         print(f"  {head.id:<14} {len(tour)} contours, travel {travel:.1f} mm, time {time:.2f} s")
     print(f"  travel         {evaluation.total_travel_mm:.1f} mm")
+    if sum(evaluation.backward_mm) > 0:
+        print(f"  back in x      {sum(evaluation.backward_mm):.1f} mm")
     print(f"  makespan       {evaluation.makespan_s:.2f} s")
     print(f"  imbalance      {evaluation.imbalance_s:.2f} s")
     if evaluation.partition_gap_mm is not None:

@@ -79,7 +79,8 @@ def gaps(
     say_what_is_there(folder, tasks)
     failures, stopped = run_all(tasks, folder, jobs, dask)
     chosen = default_methods(found.instances, asked) if named is None else named
-    run = Run(found.name, asked, chosen, seeds, time_limit, len(tasks))
+    heads = max(len(instance.heads) for instance in found.instances)
+    run = Run(found.name, asked, chosen, seeds, time_limit, len(tasks), heads)
     for failure in failures:
         print(f"cutgap: failed: {failure}", file=sys.stderr)
     try:

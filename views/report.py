@@ -23,7 +23,7 @@ DRAWN_PARTS = 12
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What was run: suite, rules, methods, seeds, limit in s, and how many runs were planned."""
+    """What was run: suite, rules, methods, seeds, limit in s, number of runs planned, most heads of a part."""
 
     suite: str
     rules: Rules
@@ -31,6 +31,7 @@ class Run:
     seeds: int
     time_limit: float | None
     planned: int
+    heads: int = 2
 
 
 def report_html(
@@ -59,7 +60,7 @@ def report_html(
     return template.substitute(
         style=view_text("page.css"),
         title=escape(f"Optimality gaps: {run.suite}"),
-        lead=escape(f"{len(instances)} parts; asked for: {describe(run.rules)}."),
+        lead=escape(f"{len(instances)} parts; asked for: {describe(run.rules, run.heads)}."),
         warnings=_warnings(run, records, failures),
         cards=_cards(run, records, rows, summaries),
         summary_table=html_table(SUMMARY_HEADINGS, [[summary_cells(each) for each in summaries]]),
@@ -181,7 +182,7 @@ def _provenance(run: Run, records: Sequence[Record], rows: Sequence[TableRow]) -
     sources = sorted({source for row in rows if row.published is not None for source in row.published.sources})
     return [
         ("Suite", run.suite),
-        ("Rules", describe(run.rules)),
+        ("Rules", describe(run.rules, run.heads)),
         ("Methods", ", ".join(run.methods)),
         ("Seeds", f"0 to {run.seeds - 1} for each heuristic; exact methods do not depend on the seed"),
         ("Time limit", limit),

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from cutgap.benchmark.methods import AUTO, is_exact, require_known, run
 from cutgap.benchmark.wording import describe
+from cutgap.formulations import choose
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
 from cutgap.instances.formats import read_instance, write_atomically, write_plan
 from cutgap.instances.formats.json_format import format_plan
@@ -66,7 +67,7 @@ def solve(
     if json:
         print(json_library.dumps(result_fields(instance, result), indent=2, allow_nan=False))
     else:
-        _print_result(instance, result)
+        _print_result(instance, result, choose(instance, asked).why if method == AUTO else "")
     for violation in result.violations:
         print(f"cutgap: the plan breaks a rule: {violation}", file=sys.stderr)
     if result.reason:
@@ -126,10 +127,12 @@ def result_fields(instance: Instance, result: Result) -> dict[str, Any]:
     }
 
 
-def _print_result(instance: Instance, result: Result) -> None:
+def _print_result(instance: Instance, result: Result, why: str) -> None:
     unit = result.rules.unit
     print(f"{instance.name}: {result.status}, by {result.method} in {result.seconds:.2f} s")
-    print(f"  asked for      {describe(result.rules)}")
+    if why:
+        print(f"  chosen for     {why}")
+    print(f"  asked for      {describe(result.rules, len(instance.heads))}")
     if result.value is not None and not result.violations:
         print(f"  value          {result.value:.3f} {unit}")
     if result.lower_bound is not None:

@@ -25,7 +25,8 @@ def print_gaps(rows: Sequence[TableRow]) -> None:
     console = output()
     for rules in dict.fromkeys(row.rules for row in rows):
         chosen = [row for row in rows if row.rules == rules]
-        console.print(_gap_table(chosen, f"{describe(rules)} [{rules.unit}]"))
+        heads = max(row.best.heads for row in chosen)
+        console.print(_gap_table(chosen, f"{describe(rules, heads)} [{rules.unit}]"))
         _print_notes(console, chosen)
         console.print(_summary_table(chosen))
 

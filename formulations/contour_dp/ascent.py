@@ -3,7 +3,7 @@ r"""A lower bound on walks by relaxed dynamic programming: prices by subgradient
     (1) L(p) = min over relaxed walks of cost + sum_a p_a (visits of a - 1)   <= every walk, for all prices p
     (2) p <- p + theta * (limit - L) / |g|^2 * g,   g_a = visits of a - 1
     (3) where the best relaxed walk breaks a rule because it forgot a contour, those on the way remember it
-    (4) point v is allowed at position k only while some state (k, v, M) is not dropped
+    (4) point v is allowed at position k only while F_k(v, M) + R_k(v, M) < limit for some M (``completion``)
 
 (4) keeps what one round learned for the next, whatever its prices are. A ``Stage`` holds the prices and
 memories of a round: from them alone a bound can be computed again.
@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cutgap.formulations.contour_dp.completion import completions
 from cutgap.formulations.contour_dp.memory import MOST_MEMBERS, Members, Memory, build_memory, start_members
 from cutgap.formulations.contour_dp.passes import backward_pass, best_walk, forward_pass
 from cutgap.formulations.contour_dp.walks import Bools, Walks
@@ -173,14 +174,16 @@ class Ascent:
     def _finish(self, memory: Memory, prices: Floats) -> None:
         """Keep the round's stage, and (4)."""
         self.found.stages.append(Stage(tuple(prices.tolist()), memory.members))
-        value = self._forward(memory, prices)
+        limit = self.found.limit + float(prices.sum())
+        onward, _ = completions(self.walks, memory, prices, self.found.allowed, limit)
+        value = self._forward(memory, prices) + onward
         alive = np.zeros_like(self.found.allowed)
         for a in range(self.walks.count):
             points = slice(self.walks.first[a], self.walks.first[a + 1])
             table = value[:, memory.offset[a] : memory.offset[a + 1]].reshape(
                 self.walks.count, -1, points.stop - points.start
             )
-            alive[:, points] = np.isfinite(table).any(axis=1)
+            alive[:, points] = (table < limit).any(axis=1)
         self.found.allowed &= alive
 
     def _grown(self, forgotten: list["Forgotten"]) -> Members:

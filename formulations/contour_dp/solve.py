@@ -136,7 +136,7 @@ class ContourSearch:
         return cost
 
     def _start(self, start: Plan | None) -> tuple[Plan | None, float]:
-        """Return the better of two plans that keep the rules, the given one and a quick search's; its cost in mm."""
+        """Return the better of the given plan and a quick search's, if it keeps the rules; its cost in mm."""
         search = EntrySearch(
             entry_task(self.instance, self.rules),
             START_ROUNDS * len(self.instance.contours),

@@ -165,12 +165,13 @@ def test_published_values_stand_in_table_csv_and_report(folder, tmp_path, capsys
 
 def test_each_instance_gets_the_heuristics_that_apply_to_it(folder, one_head):
     suite = find_suite(f"pcgtsp:{folder}", MachineOptions())
-    assert [task.method for task in suite_tasks(suite, suite.rules, None, seeds=1)] == [AUTO, "in-order"]
-    assert default_methods(suite.instances, suite.rules) == (AUTO, "in-order")
+    for_one = ["entry-search", "ant-colony", "in-order"]
+    assert [task.method for task in suite_tasks(suite, suite.rules, None, seeds=1)] == [AUTO, *for_one]
+    assert default_methods(suite.instances, suite.rules) == (AUTO, *for_one)
     two_heads = find_suite("small", MachineOptions()).instances[:1]
-    known = tuple(name for name in HEURISTICS if name != "in-order")
-    assert default_methods(two_heads, Rules()) == (AUTO, *known)
-    assert default_methods((*two_heads, *suite.instances), Rules()) == (AUTO, *known, "in-order")
+    for_two = ["task-balancing", "k-means", "fuzzy-c-means", "local-search"]
+    assert default_methods(two_heads, Rules()) == (AUTO, *for_two)
+    assert default_methods((*two_heads, *suite.instances), Rules()) == (AUTO, *for_two, *for_one)
 
 
 @pytest.mark.parametrize("name", ["task-balancing", "k-means", "fuzzy-c-means", "local-search"])

@@ -11,19 +11,27 @@ from oracles.random_instances import random_instance
 
 from cutgap.benchmark import runner
 from cutgap.benchmark.executors import SerialExecutor, dask_executor, process_executor
-from cutgap.benchmark.methods import is_exact, known_methods
+from cutgap.benchmark.methods import is_exact
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.runner import Failure, run_tasks
 from cutgap.benchmark.tasks import Suite, Task, suite_tasks
+from cutgap.heuristics import HEURISTICS
 from cutgap.instances import Rules
+
+PAIR = random_instance(np.random.default_rng(0), 4, layout="uniform")
+METHODS = (
+    "split",
+    "free",
+    "cpsat",
+    *(name for name, each in HEURISTICS.items() if each.applies(PAIR, Rules())),
+)
 
 
 @pytest.fixture(scope="module")
 def tasks():
     rng = np.random.default_rng(21)
     instances = tuple(random_instance(rng, holes, layout="uniform") for holes in (5, 6))
-    methods = [method for method in known_methods() if method != "tour"]  # which takes one head
-    return suite_tasks(Suite("tiny", instances), Rules(), methods, seeds=2)
+    return suite_tasks(Suite("tiny", instances), Rules(), METHODS, seeds=2)
 
 
 @pytest.fixture(scope="module")
@@ -119,6 +127,6 @@ def test_ctrl_c_ends_worker_processes(tasks):
 
 
 def test_tasks_know_their_methods(tasks):
-    assert {task.method for task in tasks} == set(known_methods()) - {"tour"}
+    assert {task.method for task in tasks} == set(METHODS)
     with pytest.raises(ValueError, match="'none'"):
         Task(tasks[0].instance, Rules(), "none", 0)

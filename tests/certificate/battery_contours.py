@@ -76,6 +76,11 @@ def special_samples() -> list[Sample]:
     # From right to left to right, which positions alone do not tell.
     line = tuple(Contour(f"c{x}", np.array([[100.0 * x, 0, 0]]), 1.0) for x in range(5))
     found += [(Instance("line", line, home, precedence=((4, 0), (0, 3))), Rules("travel"))] * 5
+    # Corners of a square: in one go, the two opposite ones of a part are cut one after the other.
+    corners = ((0, 0, "1"), (100, 0, None), (100, 100, "1"), (0, 100, None))
+    tiles = tuple(Contour(f"t{i}", np.array([[x, y, 0.0]]), 1.0, part=p) for i, (x, y, p) in enumerate(corners))
+    for heads in ((Head("h"),), (Head("h", np.array([50.0, 50.0, 0.0])),)):
+        found += [(Instance("square", tiles, heads), Rules("travel", parts_in_one_go=True))] * 3
     for seed in range(5):
         halves = random_instance(np.random.default_rng(seed), 4, heads=1, entries=2, metric="matrix")
         assert halves.matrix is not None

@@ -178,6 +178,7 @@ def hashes_tell_problems_apart(api: Any) -> None:
         (["contours", 2, "entry_points", 0, 1], 0.125),
         (["contours", 0, "perimeter"], 0.125),
         (["contours", 2, "part"], "bracket"),
+        (["contours", 2, "geometry"], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
         (["precedence", 1], ["c1", "c3"]),
         (["precedence", 1], ["c3", "c0"]),
         (["located"], False),

@@ -42,7 +42,8 @@ MUTANTS = [
         ("contours, precedence, matrix", "contours, matrix"),
         ("matrix, located])", "located])"),
         ("matrix, located])", "matrix])"),
-        ("perimeter, part\n", "perimeter, None\n"),
+        ("perimeter, part, curve\n", "perimeter, None, curve\n"),
+        ("perimeter, part, curve\n", "perimeter, part, ()\n"),
         ("Fraction(0) if i == j else number", "number"),
     ),
     *mutants(

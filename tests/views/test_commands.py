@@ -46,6 +46,7 @@ def test_json_of_solve_has_the_published_fields(part, capsys):
         "makespan_s",
         "imbalance_s",
         "partition_gap_mm",
+        "backward_mm",
         "peak_temperature_c",
     ]
     assert (fields["status"], fields["method"], fields["objective"]) == ("optimal", "split", "makespan")
