@@ -68,7 +68,8 @@ def _improve_start(task: Task, path: Path, size: int, price: float) -> bool:
 def choose_entries(task: Task, path: Path, price: float) -> int:
     """Choose the cheapest entries for the clusters of a path, from every start; return the barred legs."""
     size, k = len(path.clusters), path.clusters[0]
-    note_cut(task, path, size, len(task.part))
+    if len(task.barred):
+        note_cut(task, path, size, len(task.part))
     least, fewest, chosen = np.inf, 0, path.nodes.copy()
     for start in range(task.first[k], task.first[k + 1]):
         path.nodes[0] = start

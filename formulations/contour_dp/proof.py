@@ -11,7 +11,7 @@ import numpy as np
 from cutgap.formulations.certify import MULTIPLIERS_UNUSED, SCALE, Certificate, certificate_of
 from cutgap.formulations.contour_dp.ascent import Relaxed, Stage, possible
 from cutgap.formulations.contour_dp.closing import Closing
-from cutgap.formulations.contour_dp.search import search
+from cutgap.formulations.contour_dp.search import MOST_CONTOURS, search
 from cutgap.formulations.contour_dp.walks import Walks
 from cutgap.instances import Instance, Plan, Rules
 
@@ -82,11 +82,13 @@ def walk_item(instance: Instance, walks: Walks, stage: Stage, scale: int) -> dic
 
 
 def cheapest_stage(closing: Closing, limit: float) -> Stage | None:
-    """Return the stage with which the checker has the least to do; ``None`` if each is too much.
+    """Return the stage with which the checker has the least to do; ``None`` if each is too much, or not known.
 
     The checker extends a row of the relaxed part to all points, one of the exact part to half of them.
     """
     best, least = None, MOST_WORK
+    if closing.walks.count > MOST_CONTOURS:
+        return None
     for stage in closing.ascent.found.stages:
         found = Relaxed(limit, -np.inf, possible(closing.walks), [stage])
         result = search(closing.walks, found, MOST_ROWS)
