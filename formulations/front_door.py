@@ -5,6 +5,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.generalized_tour import solve_generalized_tour
@@ -53,6 +54,10 @@ def choose(instance: Instance, rules: Rules) -> Choice:
             return Choice("tour", "one head and one entry point for each contour, in any order")
         if rules.via_points:
             return Choice("cpsat", "via points among entry points")
+        if ordered and symmetric and len(instance.contours) > MOST_CONTOURS:
+            return Choice(
+                "gtsp", f"one head, more than {MOST_CONTOURS} contours; its bound leaves rules on order out"
+            )
         if ordered:
             asked = ", ".join([*(["precedence"] if instance.precedence else []), *rules.process])
             return Choice("contour-dp", f"one head under {asked}")

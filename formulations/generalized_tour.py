@@ -2,6 +2,9 @@
 
 With one head the makespan is its travel over v_jump plus a constant and there is no imbalance, so all
 objectives are the shortest tour's. The home is one more contour. See ``branch_and_cut.generalized_tour``.
+
+Precedence and process rules are left out of the model: they only forbid plans, or add to their value, so its
+bound holds with them. A plan of the entry search stands in where the shortest tour breaks or pays for them.
 """
 
 import time
@@ -15,14 +18,19 @@ from cutgap.formulations.branch_and_cut.generalized_cuts import GeneralizedCut
 from cutgap.formulations.branch_and_cut.generalized_tour import shortest_generalized_tour
 from cutgap.formulations.branch_and_cut.model import Fixing
 from cutgap.formulations.certify import SCALE, Family, Rows, certificate_of, flat_tree
-from cutgap.formulations.scope import require_free_order
+from cutgap.formulations.scope import require_symmetric
 from cutgap.formulations.split_proof import MULTIPLIER_SCALE
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude
 from cutgap.instances.arrays import Ints
+from cutgap.instances.check import require_coordinates
+from cutgap.instances.entry_tours import entry_task, search_entries
 from cutgap.instances.progress import Progress, Watch, nobody
 
 LARGEST_STEPS = 2.0**30
 """Whole lengths above this, in mm, do not count as whole: sums of them may lose their last digits."""
+
+SEARCH_ROUNDS = 100
+"""Rounds per contour of the search for a plan where the shortest tour breaks rules."""
 
 ROUNDING = 1e-4
 """Share of a step by which a bound may be too high."""
@@ -42,8 +50,7 @@ def solve_generalized_tour(
     Raises
     ------
     ValueError
-        When there are several heads, precedence pairs, process rules, via points from a home or asymmetric
-        lengths.
+        When there are several heads, via points from a home or asymmetric lengths.
     """
     begun = time.perf_counter()
     _require(instance, rules)
@@ -74,7 +81,7 @@ def solve_generalized_tour(
     result = conclude(
         instance,
         rules,
-        _plan(instance, np.asarray(outcome.solution)),
+        _allowed(instance, rules, _plan(instance, np.asarray(outcome.solution)), start),
         method="gtsp",
         seconds=time.perf_counter() - begun,
         lower_bound=objective(outcome.lower_bound),
@@ -87,9 +94,24 @@ def _require(instance: Instance, rules: Rules) -> None:
     name = f"instance {instance.name!r}, method gtsp"
     if len(instance.heads) != 1:
         raise ValueError(f"{name}: needs one head, got {len(instance.heads)}")
-    require_free_order(instance, rules, "gtsp")
+    require_coordinates(instance, rules)
+    require_symmetric(instance, "gtsp")
     if rules.via_points and instance.home_node(0) is not None:
         raise ValueError(f"{name}: does not take via points of a head with a home")
+
+
+def _allowed(instance: Instance, rules: Rules, plan: Plan, start: Plan | None) -> Plan:
+    """Return the plan; under rules on order the best of it, of ``start`` and of a quick search's."""
+    if not instance.precedence and not rules.process:
+        return plan
+    rounds = SEARCH_ROUNDS * len(instance.contours)
+    found = search_entries(entry_task(instance, rules), rounds=rounds, rng=np.random.default_rng(0))
+    results = [
+        conclude(instance, rules, each, method="gtsp", seconds=0.0)
+        for each in (plan, Plan((found.visits,)), start)
+        if each is not None
+    ]
+    return min(results, key=lambda result: (len(result.violations), result.value)).plan or plan
 
 
 def _first_nodes(instance: Instance) -> Ints:
@@ -145,7 +167,8 @@ def _certificate(instance: Instance, rules: Rules, outcome: Outcome, result: Res
             work = float(instance.service_times.sum()) * instance.machine.v_jump - margin
         return proof["length"] + max(0, int(work * SCALE)), proof
 
-    return certificate_of(instance, rules, result.plan, MULTIPLIER_SCALE, claim)
+    plan = None if result.violations else result.plan
+    return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, claim)
 
 
 def _tree(outcome: Outcome, nodes: int, target: float) -> dict[str, Any]:

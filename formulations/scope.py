@@ -4,33 +4,29 @@ from cutgap.instances import Instance, Rules
 from cutgap.instances.check import require_coordinates
 
 
-def require_two_heads(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
-    """Raise ``ValueError``, saying why, when a method for two heads and single entry points does not apply.
-
-    ``asymmetric`` says that the method takes rapid lengths that differ by direction.
-    """
+def require_two_heads(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError``, saying why, when a method for two heads and single entry points does not apply."""
     if len(instance.heads) != 2:
         name = f"instance {instance.name!r}, method {method}"
         raise ValueError(f"{name}: needs two heads, got {len(instance.heads)}")
-    require_single_entries(instance, rules, method, asymmetric=asymmetric)
+    require_single_entries(instance, rules, method)
 
 
-def require_single_entries(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
-    """Raise ``ValueError``, saying why, when a method for single entry points does not apply."""
-    name = f"instance {instance.name!r}, method {method}"
-    require_free_order(instance, rules, method, asymmetric=asymmetric)
-    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
-    if several is not None:
-        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
-
-
-def require_free_order(instance: Instance, rules: Rules, method: str, *, asymmetric: bool = False) -> None:
-    """Raise ``ValueError``, saying why, when a method without process rules and precedence does not apply."""
+def require_single_entries(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError``, saying why, when a method for single entry points in any order does not apply."""
     name = f"instance {instance.name!r}, method {method}"
     require_coordinates(instance, rules)
     if rules.process:
         raise ValueError(f"{name}: does not take the rule {rules.process[0]}")
     if instance.precedence:
         raise ValueError(f"{name}: does not take precedence pairs")
-    if not asymmetric and instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
-        raise ValueError(f"{name}: needs symmetric rapid lengths")
+    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
+    if several is not None:
+        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
+    require_symmetric(instance, method)
+
+
+def require_symmetric(instance: Instance, method: str) -> None:
+    """Raise ``ValueError`` when rapid lengths differ by direction."""
+    if instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
+        raise ValueError(f"instance {instance.name!r}, method {method}: needs symmetric rapid lengths")

@@ -1,6 +1,6 @@
 """Forged proofs of tours through one entry point of each contour: nodes 0 and 1, 2 and 3, 4 and 5, home 6."""
 
-from certificate.forgeries import Document, Forge, asymmetric, branch, precedence, setting
+from certificate.forgeries import Document, Forge, asymmetric, branch, setting
 
 
 def row(*name: object) -> Forge:
@@ -25,7 +25,6 @@ HANDLE = [0, 2, 4]
 TEETH = [[0, 1], [2, 3], [4, 5]]
 
 GENERALIZED: list[tuple[str, Forge, str]] = [
-    ("precedence", precedence, "gtsp: takes no precedence"),
     ("asymmetric", asymmetric, "gtsp: takes symmetric"),
     ("higher bound", lambda c, d: c.update(bound=c["bound"] + 1), "less than the claimed"),
     ("claims infeasible", lambda c, d: c.update(bound=None, plan=None), "claimed"),

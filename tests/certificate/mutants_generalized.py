@@ -57,7 +57,6 @@ GENERALIZED = [
         "checker.py",
         FORGED,
         ("require(length <= 0", "require(True"),
-        ('require(not problem.precedence, "gtsp', 'require(True, "gtsp'),
         ('require(problem.is_symmetric(), "gtsp', 'require(True, "gtsp'),
     ),
 ]

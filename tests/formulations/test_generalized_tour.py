@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.brute_force import brute_force
+from oracles.entry_tours import best_plan
 from oracles.held_karp import shortest_generalized_tour
 from oracles.random_instances import LAYOUTS, random_instance
+from oracles.random_sheets import random_sheet
 
 from cutgap.formulations import solve
 from cutgap.formulations.certificate import verify
@@ -106,10 +108,7 @@ def test_a_start_counts():
     ("options", "rules", "message"),
     [
         ({"heads": 2}, {}, "one head"),
-        ({"precedence": 1.0}, {}, "precedence"),
         ({"metric": "matrix"}, {}, "symmetric"),
-        ({}, {"parts_in_one_go": True}, "parts in one go"),
-        ({}, {"backward_price": 1.0}, "backward price"),
         ({}, {"via_points": True}, "via points"),
     ],
 )
@@ -117,6 +116,22 @@ def test_what_it_does_not_take_is_refused(options, rules, message):
     part = random_instance(np.random.default_rng(0), 4, **{"heads": 1, "entries": 2, **options})
     with pytest.raises(ValueError, match=message):
         solve(part, Rules("travel", **rules), method="gtsp")
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_rules_on_order_are_left_out_of_the_bound_and_kept_by_the_plan(seed):
+    rng = np.random.default_rng(seed)
+    sheet = random_sheet(rng, 5, homes=None, entries=2)
+    price = float(rng.choice([0.0, 2.0]))
+    rules = Rules("travel", parts_in_one_go=True, clear_rapids=bool(rng.integers(2)), backward_price=price)
+    best, result = best_plan(sheet, rules), solve(sheet, rules, method="gtsp", certify=True)
+    free = best_plan(replace(sheet, precedence=()), Rules("travel"))
+    assert result.lower_bound == pytest.approx(free.value, abs=1e-6)
+    assert verify(result.certificate, format_instance(sheet)).bound <= free.value + 1e-6
+    if best is None:
+        assert result.violations
+    else:
+        assert result.value == pytest.approx(best.value, abs=1e-6)
 
 
 def test_a_closed_tour_starts_at_its_leftmost_point():
