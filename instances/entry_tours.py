@@ -62,6 +62,33 @@ def entry_task(instance: Instance, rules: Rules) -> Task:
     )
 
 
+def plain_task(lengths: Floats, first: Ints) -> Task:
+    """Return the task of closed tours through one node of each cluster, under no rules.
+
+    Parameters
+    ----------
+    lengths
+        Shape (nodes, nodes), mm, not negative; entries within a cluster are not used.
+    first
+        First node of each cluster, then the number of nodes; shape (clusters + 1,).
+    """
+    costs, count = np.ascontiguousarray(lengths, dtype=np.float64), len(first) - 1
+    least = least_legs(costs, first)
+    return Task(
+        costs,
+        np.ascontiguousarray(costs.T),
+        costs,
+        least,
+        first.astype(np.int64),
+        np.zeros((count, count), dtype=np.bool_),
+        np.arange(count),
+        np.zeros((0, 0, 0), dtype=np.uint64),
+        near_contours(least),
+        False,
+        True,
+    )
+
+
 def orders_within_parts(n: int, precedence: Sequence[tuple[int, int]], parts: Ints) -> Bools:
     """Return whether a contour must be cut before another when parts are cut in one go, shape (n, n).
 

@@ -18,13 +18,13 @@ rule out are gone and, when few are left, all of them have entered.
 Source: Fischetti, Salazar, Toth (1995, 1997).
 """
 
+import time
 from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 
 from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
-from cutgap.formulations.branch_and_cut.entry_search import good_tour, improved_tour
 from cutgap.formulations.branch_and_cut.generalized_cuts import (
     GeneralizedCut,
     Point,
@@ -36,15 +36,17 @@ from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, NO_VALUES, Fixi
 from cutgap.formulations.branch_and_cut.separation import Mask
 from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY, TOLERANCE
 from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.entry_steps import Task
+from cutgap.instances.entry_tours import EntrySearch, best_entries, plain_task
 from cutgap.instances.progress import Watch, nobody
 
 NEIGHBOURS = 3
 """Contours to whose nearest node each node has an edge in the first linear program."""
 
-START_ROUNDS = 300
-"""Rounds of local search a contour, before branch and cut."""
+START_ROUNDS, START_PIECE = 300, 500
+"""Rounds of local search a contour, before branch and cut, and rounds between looks at the clock."""
 
-ROUNDING = 3
+ROUNDING = 10
 """Rounds of local search a contour, at a fractional point."""
 
 SAMPLE = 3
@@ -69,6 +71,7 @@ class GeneralizedTourModel(Model):
         self.complete = False  # whether every edge that is left has a column
         self.removed = self.contour_of[:, None] == self.contour_of
         self.y_upper = np.ones(self.nodes)
+        self.task = plain_task(self.lengths, first)
         self.rng = np.random.default_rng(0)
         self.parts: dict[GeneralizedCut, tuple[Mask, Floats]] = {}  # masks and node coefficients of cuts
         self.tails, self.heads = NO_COLUMNS, NO_COLUMNS
@@ -287,8 +290,9 @@ class GeneralizedTourModel(Model):
         discount = 1.0 - 0.9 * np.minimum(columns[used], 1.0)
         guide[self.tails[used], self.heads[used]] *= discount
         guide[self.heads[used], self.tails[used]] *= discount
-        _, tour = good_tour(guide, self.first, ROUNDING * self.contours, self.rng)
-        return improved_tour(self.lengths, self.first, tour, ROUNDING * self.contours, self.rng)
+        search = EntrySearch(plain_task(guide, self.first), ROUNDING * self.contours, rng=self.rng)
+        search.run(search.rounds)
+        return tour_of(self.task, [contour for contour, _ in search.best.visits])
 
     def candidates(self, most: int) -> list[int]:
         """Prefer y; within each kind the nearest to a half."""
@@ -324,6 +328,14 @@ def _add_sets(edges: Floats, masks: np.ndarray, prices: Floats) -> None:
                 edges[u, v] += prices[s]
 
 
+def tour_of(task: Task, order: Sequence[int] | Ints) -> tuple[float, Ints]:
+    """Return the length and the nodes of the shortest tour through contours in a given order."""
+    found = best_entries(task, order)
+    return found.cost, np.array(
+        [task.first[contour] + entry for contour, entry in found.visits], dtype=np.int64
+    )
+
+
 def shortest_generalized_tour(
     lengths: Floats,
     first: Ints,
@@ -351,11 +363,14 @@ def shortest_generalized_tour(
     Outcome
         ``solution`` holds the nodes in order.
     """
-    rng = np.random.default_rng(0)
-    contours = len(first) - 1
-    best = good_tour(lengths, first, START_ROUNDS * contours, rng)
+    task = plain_task(lengths, first)
+    local = EntrySearch(task, START_ROUNDS * (len(first) - 1), rng=np.random.default_rng(0))
+    while not local.over and (local.done == 0 or time.perf_counter() < deadline):
+        local.run(START_PIECE)
+    best = tour_of(task, [contour for contour, _ in local.best.visits])
     if start is not None:
-        best = min(best, improved_tour(lengths, first, start, START_ROUNDS * contours, rng), key=lambda t: t[0])
+        order = np.searchsorted(first, start, side="right") - 1
+        best = min(best, tour_of(task, order), key=lambda tour: tour[0])
     search = BranchAndCut(
         GeneralizedTourModel(lengths, first, best[1]),
         incumbent=best,
