@@ -6,6 +6,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from cutgap.formulations.contour_dp.search import MOST_CONTOURS
+from cutgap.formulations.contour_dp.contour_split import solve_contour_split
 from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.generalized_tour import solve_generalized_tour
@@ -25,6 +26,7 @@ def _solve_cpsat(instance: Instance, rules: Rules, **options: Any) -> Result:
 METHODS: dict[str, Callable[..., Result]] = {
     "tour": solve_tour,
     "contour-dp": solve_contours,
+    "contour-split": solve_contour_split,
     "gtsp": solve_generalized_tour,
     "split": solve_split,
     "free": solve_free,
@@ -65,10 +67,13 @@ def choose(instance: Instance, rules: Rules) -> Choice:
             reason = "few contours" if symmetric else "lengths that differ by direction"
             return Choice("contour-dp", f"one head, entry points, {reason}")
         return Choice("gtsp", f"one head, entry points, more than {FEW_CONTOURS} contours in any order")
-    if len(instance.heads) > 2 or not single or ordered or not symmetric:
-        return Choice(
-            "cpsat", "two heads with entry points, precedence, process rules or a direction of lengths"
-        )
+    if len(instance.heads) > 2 or ordered:
+        return Choice("cpsat", "two heads under precedence or process rules")
+    if not single or not symmetric:
+        special = "entry points" if symmetric else "lengths that differ by direction"
+        if rules.via_points or any(head.home is None for head in instance.heads):
+            return Choice("cpsat", f"two heads, {special}, with via points or without homes")
+        return Choice("contour-split", f"two heads, {special}, in any order")
     if rules.non_overlap is None:
         return Choice("free", "two heads whose ranges may overlap")
     return Choice("split", "two heads whose ranges must not overlap")

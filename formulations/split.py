@@ -42,6 +42,7 @@ from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
 from cutgap.formulations.split_proof import split_certificate
+from cutgap.formulations.two_head_bound import objective_bound
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.arrays import difference
 from cutgap.instances.progress import Progress, Watch, nobody
@@ -243,13 +244,7 @@ class SplitSearch:
         self, lengths: tuple[float, float], services_s: tuple[float, float], floating_s: float = 0.0
     ) -> float:
         """Return (1) or (2) for tour lengths (mm) and service times; floating service goes to either head."""
-        speed = self.instance.machine.v_jump
-        t_1, t_2 = (length / speed + s for length, s in zip(lengths, services_s, strict=True))
-        if self.rules.objective == "makespan":
-            return max(t_1, t_2, (t_1 + t_2 + floating_s) / 2)
-        apart = max(0.0, abs(t_1 - t_2) - floating_s)
-        kept = apart if self.rules.balance is None else min(apart, self.rules.balance)
-        return sum(lengths) + min(self.rules.weight, speed) * kept + speed * (apart - kept)
+        return objective_bound(self.instance.machine, self.rules, lengths, services_s, floating_s)
 
     def _cutoff(self, cell: Cell, head: int) -> float:
         """Return the tour length of a head from which on the cell cannot beat the best plan.

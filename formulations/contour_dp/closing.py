@@ -82,15 +82,8 @@ class Closing:
         """Do a round of the ascent (none when its memories are full), and searches that take about as long."""
         begun = time.perf_counter()
         found = self.ascent.found
-        found.limit = min(found.limit, self.incumbent.limit)
-        if not found.exhausted:
-            self.ascent.round()
-        if found.walk is not None:
-            self.incumbent.offer(self.walks, found.walk)
-            self.closed = True
-            return
-        if found.bound >= found.limit:
-            self.closed = True
+        self.relax()
+        if self.closed:
             return
         if self.walks.count > MOST_CONTOURS:
             return
@@ -103,6 +96,18 @@ class Closing:
             self.width = min(WIDER * self.width, self.widest)
             if not found.exhausted and WIDER * (time.perf_counter() - begun) > spent:
                 break
+
+    def relax(self) -> None:
+        """Do a round of the ascent, none when its memories are full."""
+        found = self.ascent.found
+        found.limit = min(found.limit, self.incumbent.limit)
+        if not found.exhausted:
+            self.ascent.round()
+        if found.walk is not None:
+            self.incumbent.offer(self.walks, found.walk)
+            self.closed = True
+        elif found.bound >= found.limit:
+            self.closed = True
 
     def _search(self) -> bool:
         """Search once; True when there is nothing left below the limit."""

@@ -112,15 +112,26 @@ class ContourSearch:
         self.closings = [Closing(walks, self.incumbent, self.deadline, self._report) for walks in problems]
 
     def run(self) -> bool:
-        """Close all problems, the one of least bound first; False when the time or the memory ended before."""
+        """Close all problems; False when the time or the memory ended before."""
         try:
-            while open_ones := [each for each in self.closings if not each.closed and not each.stuck]:
-                if time.perf_counter() >= self.deadline:
-                    break
-                min(open_ones, key=lambda each: each.bound).advance()
-                self._report()
+            while self.advance():
+                pass
         except KeyboardInterrupt:
             return False
+        return self.closed
+
+    def advance(self) -> bool:
+        """Work on the open problem of least bound; False when there is none or the time is over."""
+        open_ones = [each for each in self.closings if not each.closed and not each.stuck]
+        if not open_ones or time.perf_counter() >= self.deadline:
+            return False
+        min(open_ones, key=lambda each: each.bound).advance()
+        self._report()
+        return True
+
+    @property
+    def closed(self) -> bool:
+        """Whether the best plan is optimal, or there is none."""
         return all(each.closed for each in self.closings)
 
     @property
