@@ -1,7 +1,7 @@
 r"""Which entry points either of two heads may use, and what follows when contours or thresholds are decided.
 
     r_v        rank of the x of entry point v among all different x, ascending
-    k          thresholds: entry points with r <= upto_k are the left head's, those with r >= since_k the right one's
+    k          thresholds: the left head may use points of r <= upto_k, the right one those of r >= since_k
     (1)        since_k is the first rank whose x is upto_k's x plus F or more
     (2)        of thresholds with the same since, the one of largest upto holds all plans of the others
 

@@ -39,7 +39,7 @@ def _free_count(division: Division, whole: Region, threshold: int) -> int:
 def _division(
     instance: Instance, division: Division, whole: Region, threshold: int, prefix: int
 ) -> Region | None:
-    """Return the region of a threshold with the ``prefix`` free contours nearest to the left head as its own."""
+    """Return the region of a threshold in which the left head has the ``prefix`` nearest free contours."""
     region = division.narrowed(Region(threshold, threshold, whole.side))
     if region is None:
         return None
