@@ -5,8 +5,8 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.contour_split import solve_contour_split
+from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.generalized_tour import solve_generalized_tour

@@ -14,16 +14,22 @@ def require_two_heads(instance: Instance, rules: Rules, method: str) -> None:
 
 def require_single_entries(instance: Instance, rules: Rules, method: str) -> None:
     """Raise ``ValueError``, saying why, when a method for single entry points in any order does not apply."""
+    require_any_order(instance, rules, method)
+    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
+    if several is not None:
+        name = f"instance {instance.name!r}, method {method}"
+        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
+    require_symmetric(instance, method)
+
+
+def require_any_order(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError``, saying why, when a method without precedence and process rules does not apply."""
     name = f"instance {instance.name!r}, method {method}"
     require_coordinates(instance, rules)
     if rules.process:
         raise ValueError(f"{name}: does not take the rule {rules.process[0]}")
     if instance.precedence:
         raise ValueError(f"{name}: does not take precedence pairs")
-    several = next((c.id for c in instance.contours if len(c.entry_points) > 1), None)
-    if several is not None:
-        raise ValueError(f"{name}: contour {several!r} has several entry points, needs one each")
-    require_symmetric(instance, method)
 
 
 def require_symmetric(instance: Instance, method: str) -> None:

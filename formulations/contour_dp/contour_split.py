@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 from cutgap.formulations.contour_dp.two_head_search import TwoHeadSearch
-from cutgap.formulations.scope import require_free_order
+from cutgap.formulations.scope import require_any_order
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.progress import Watch, nobody
 
@@ -80,4 +80,4 @@ def _require_scope(instance: Instance, rules: Rules) -> None:
         raise ValueError(f"{name}: head {homeless!r} has no home, needs one each")
     if rules.via_points:
         raise ValueError(f"{name}: does not take via points")
-    require_free_order(instance, rules, NAME, asymmetric=True)
+    require_any_order(instance, rules, NAME)
