@@ -19,20 +19,26 @@ In the linear program both stand divided by 2 and with x(E(.)), which is sparse 
     sum over sets of (y(S) - x(E(S))) - sum of y-terms >= least
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from cutgap.formulations.branch_and_cut.flows import Graph, build_graph, maximum_flow
-from cutgap.formulations.branch_and_cut.separation import Mask, Support, connectivity_violations, separate_combs
+from cutgap.formulations.branch_and_cut.separation import (
+    Mask,
+    Members,
+    Support,
+    connectivity_violations,
+    odd_sets,
+    shrinkings,
+)
 from cutgap.instances.arrays import Floats, Ints
 
 VIOLATION = 1e-4
 """Least violation, in the form of the linear program, that is worth adding."""
 
-Members = frozenset[int]
 Pair = tuple[int | None, int | None]
 """Contours h, k of a (G), or of a tooth; ``None`` where a whole contour makes the term 1."""
 
@@ -113,6 +119,12 @@ class Point:
             mask = ~mask
         pair = (self._most(mask), self._most(~mask))
         return GeneralizedCut((frozenset(np.flatnonzero(mask).tolist()),), (pair,))
+
+    def comb(self, masks: Sequence[Mask]) -> GeneralizedCut:
+        """Return (K) of a handle and teeth with the contours that ask most of them."""
+        handle, teeth = masks[0], masks[1:]
+        pairs = tuple((self._most(tooth & handle), self._most(tooth & ~handle)) for tooth in teeth)
+        return GeneralizedCut(tuple(frozenset(np.flatnonzero(mask).tolist()) for mask in masks), pairs)
 
     def _most(self, mask: Mask) -> int | None:
         """Return the contour with most weight within a set, ``None`` when one lies in it."""
@@ -202,12 +214,35 @@ def _pair_cuts(graph: Graph, x: Floats, y: Floats, contour_of: Ints, pairs: Ints
     return found[:count]
 
 
-def contour_combs(point: Point, tight: Iterable[Members], rng: np.random.Generator) -> list[GeneralizedCut]:
-    """Return violated (K) whose sets are unions of contours; ``tight`` holds sets of contours."""
+def combs(
+    point: Point, tight: Sequence[Members], tight_contours: Sequence[Members], rng: np.random.Generator
+) -> list[GeneralizedCut]:
+    """Return violated (K): blossoms of the graph, of the graph of contours, and of both with sets shrunk.
+
+    Parameters
+    ----------
+    tight, tight_contours
+        Sets of nodes, and of contours, that the point crosses twice and with whole contours on both sides.
+    """
+    nodes = np.arange(len(point.y))
+    members = [np.flatnonzero(point.contour_of == h).tolist() for h in range(point.contours)]
     found = []
-    for cut in separate_combs(point.contracted(), tight, rng):
-        sets = tuple(
-            frozenset(np.flatnonzero(np.isin(point.contour_of, list(members))).tolist()) for members in cut.sets
-        )
-        found.append(GeneralizedCut(sets, ((None, None),) * (len(sets) - 1)))
+    for handle, teeth in _odd_sets(point.contracted(), tight_contours, rng):
+        sets = [[v for h in each for v in members[h]] for each in (handle, *teeth)]
+        found.append(point.comb([np.isin(nodes, each) for each in sets]))
+    used, ends = np.unique(np.concatenate([point.tails, point.heads]), return_inverse=True)
+    support = Support(len(used), ends[: len(point.x)], ends[len(point.x) :], point.x)
+    place = {v: i for i, v in enumerate(used.tolist())}
+    small = [frozenset(place[v] for v in each if v in place) for each in tight]
+    for handle, teeth in _odd_sets(support, small, rng):
+        found.append(point.comb([np.isin(nodes, used[list(each)]) for each in (handle, *teeth)]))
     return violated(point, found)
+
+
+def _odd_sets(
+    support: Support, tight: Sequence[Members], rng: np.random.Generator
+) -> Iterator[tuple[Members, list[Members]]]:
+    """Yield handles and teeth that blossoms of the graph, as it is and shrunk, suggest."""
+    yield from odd_sets(support, np.arange(support.nodes))
+    for label in shrinkings(support, [each for each in tight if 2 <= len(each) <= support.nodes // 2], rng):
+        yield from odd_sets(support, label)

@@ -28,12 +28,12 @@ from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
 from cutgap.formulations.branch_and_cut.generalized_cuts import (
     GeneralizedCut,
     Point,
-    contour_combs,
+    combs,
     minimum_cuts,
     quick_cuts,
 )
 from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, NO_VALUES, Fixing, Model, Row
-from cutgap.formulations.branch_and_cut.separation import Mask
+from cutgap.formulations.branch_and_cut.separation import Mask, Members
 from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY, TOLERANCE
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.entry_steps import Task
@@ -257,7 +257,7 @@ class GeneralizedTourModel(Model):
             self.rng.shuffle(pairs)
             found += minimum_cuts(point, pairs[: SAMPLE * self.contours])
             if len(found) < self.contours:
-                found += contour_combs(point, self._tight_sets(point), self.rng)
+                found += combs(point, *self._tight_sets(point), self.rng)
             if len(found) < FEW:
                 found += minimum_cuts(point, pairs[SAMPLE * self.contours :])
         return self._add_new(found)
@@ -269,17 +269,17 @@ class GeneralizedTourModel(Model):
             self._add_cut(cut)
         return len(new)
 
-    def _tight_sets(self, point: Point) -> list[frozenset[int]]:
-        """Return the sets of contours, from cuts, that the point crosses twice."""
-        tight = []
+    def _tight_sets(self, point: Point) -> tuple[list[Members], list[Members]]:
+        """Return the sets of nodes of cuts that the point crosses twice, and those of them made of contours."""
+        tight, of_contours = [], []
         for cut in self.cuts:
-            if cut.pairs == ((None, None),):
-                mask = self.parts[cut][0][0]
+            mask = self.parts[cut][0][0]
+            if cut.pairs == ((None, None),) and point.crossing(mask) < 2.0 + INTEGRALITY:
+                tight.append(cut.sets[0])
                 inside = frozenset(self.contour_of[mask].tolist())
-                whole = not (inside & frozenset(self.contour_of[~mask].tolist()))
-                if whole and point.crossing(mask) < 2.0 + INTEGRALITY:
-                    tight.append(inside)
-        return tight
+                if not (inside & frozenset(self.contour_of[~mask].tolist())):
+                    of_contours.append(inside)
+        return tight, of_contours
 
     # Search
 
@@ -295,14 +295,14 @@ class GeneralizedTourModel(Model):
         return tour_of(self.task, [contour for contour, _ in search.best.visits])
 
     def candidates(self, most: int) -> list[int]:
-        """Prefer y; within each kind the nearest to a half."""
+        """Take y and edges half and half, each the nearest to a half: either alone makes larger trees."""
         x = self.solution.x
         distance = np.abs(x - np.floor(x) - 0.5)
         fractional = np.flatnonzero(distance < 0.5 - INTEGRALITY)
         order = fractional[np.argsort(distance[fractional], kind="stable")]
-        nodes = order[order < self.nodes]
-        columns = (nodes if len(nodes) else order)[:most]
-        return [self._variable(int(column)) for column in columns]
+        nodes, edges = order[order < self.nodes], order[order >= self.nodes]
+        columns = [*nodes[: most // 2].tolist(), *edges[: most // 2].tolist()]
+        return [self._variable(column) for column in columns]
 
     def _variable(self, column: int) -> int:
         if column < self.nodes:

@@ -27,6 +27,8 @@ VIOLATION = 1e-4
 
 Mask = npt.NDArray[np.bool_]
 
+Members = frozenset[int]
+
 Blossom = tuple[set[int], list[tuple[int, int]]]
 """A handle and its teeth, edges of its boundary."""
 
@@ -119,13 +121,13 @@ def separate_combs(
     degree equations, and a blossom of the shrunk graph is a comb of the original one.
     """
     found = dict.fromkeys(_blossoms(support, np.arange(support.nodes)))
-    labels = _shrinkings(support, [s for s in tight_sets if 2 <= len(s) <= support.nodes // 2], rng)
+    labels = shrinkings(support, [s for s in tight_sets if 2 <= len(s) <= support.nodes // 2], rng)
     for label in labels:
         found |= dict.fromkeys(_blossoms(support, label))
     return list(found)
 
 
-def _shrinkings(support: Support, tight: list[frozenset[int]], rng: np.random.Generator) -> Iterator[Ints]:
+def shrinkings(support: Support, tight: list[frozenset[int]], rng: np.random.Generator) -> Iterator[Ints]:
     """Yield labellings that shrink paths of edges at 1, and families of disjoint tight sets."""
     whole = support.x > 1.0 - 1e-6
     paths = list(zip(support.tails[whole].tolist(), support.heads[whole].tolist(), strict=True))
@@ -151,6 +153,14 @@ def _labels(nodes: int, family: list[frozenset[int]]) -> Ints:
 
 def _blossoms(support: Support, label: Ints) -> Iterator[Cut]:
     """Yield violated blossoms of the shrunk graph as cuts of the original one."""
+    for handle, teeth in odd_sets(support, label):
+        cut = Cut.comb(handle, teeth)
+        if sum(support.cut_value(s) for s in cut.sets) < cut.least - VIOLATION:
+            yield cut
+
+
+def odd_sets(support: Support, label: Ints) -> Iterator[tuple[Members, list[Members]]]:
+    """Yield handles and teeth of the blossoms that minimum cuts of the shrunk graph suggest."""
     count = int(label.max()) + 1
     small = support.shrink(label, count)
     if count < 6:
@@ -161,10 +171,8 @@ def _blossoms(support: Support, label: Ints) -> Iterator[Cut]:
     _, weights, sides = cut_tree(graph, weight[fractional])
     members = [frozenset(np.flatnonzero(label == c).tolist()) for c in range(count)]
     for handle, teeth in _odd_cuts(small, sides[1:][weights[1:] < 1.0 - VIOLATION]):
-        nodes = frozenset().union(*(members[v] for v in handle))
-        cut = Cut.comb(nodes, [members[u] | members[v] for u, v in teeth])
-        if sum(support.cut_value(s) for s in cut.sets) < cut.least - VIOLATION:
-            yield cut
+        nodes = frozenset[int]().union(*(members[v] for v in handle))
+        yield nodes, [members[u] | members[v] for u, v in teeth]
 
 
 def _odd_cuts(small: Support, sides: Mask) -> Iterator[Blossom]:

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 from cutgap.formulations.branch_and_cut.generalized_cuts import (
     GeneralizedCut,
     Point,
-    contour_combs,
+    combs,
     minimum_cuts,
     quick_cuts,
 )
@@ -108,7 +108,7 @@ def test_tours_need_no_cuts():
     for point in list(tours(CONTOUR_OF))[::7]:
         assert not quick_cuts(point)
         assert not minimum_cuts(point, pairs)
-        assert not contour_combs(point, [], np.random.default_rng(0))
+        assert not combs(point, [], [], np.random.default_rng(0))
 
 
 def test_components_are_cut_off():
@@ -139,10 +139,24 @@ def test_combs_of_contours_are_cut_off():
     edges |= {(2 * u + copy, 2 * u + 6 + copy): 0.5 for u in range(3) for copy in (0, 1)}
     point = point_of(contour_of, edges)
     assert np.allclose(point.y, 0.5)
-    found = contour_combs(point, [], np.random.default_rng(0))
+    found = combs(point, [], [], np.random.default_rng(0))
     assert found
+    assert any(set(cut.pairs) == {(None, None)} for cut in found)
     assert point.violation(found[0]) == pytest.approx(0.5)
     assert max(tour.violation(cut) for tour in list(tours(contour_of))[::97] for cut in found) <= 1e-9
+
+
+def test_combs_of_nodes_are_cut_off():
+    """Two triangles of halves joined by three edges of weight 1, but for one contour with an idle node."""
+    contour_of = np.array([0, 0, 1, 2, 3, 4, 5])
+    halves = [(0, 2), (2, 3), (0, 3), (4, 5), (5, 6), (4, 6)]
+    point = point_of(contour_of, {edge: 0.5 for edge in halves} | {(0, 4): 1.0, (2, 5): 1.0, (3, 6): 1.0})
+    assert point.y.tolist() == [1, 0, 1, 1, 1, 1, 1]
+    found = combs(point, [], [], np.random.default_rng(0))
+    split = [cut for cut in found if all(1 not in members for members in cut.sets)]
+    assert split
+    assert any(0 in pair for cut in split for pair in cut.pairs)
+    assert max(tour.violation(cut) for tour in tours(contour_of) for cut in split) <= 1e-9
 
 
 def test_combs_with_split_contours_keep_all_tours():
