@@ -32,6 +32,11 @@ from cutgap.instances.arrays import Ints
 from cutgap.instances.progress import Progress, Watch
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
 
+FEW = 10
+"""With so many free contours all switch walks of a region are looked for; with more it is divided first."""
+FAR = 0.1
+"""A region is not divided while its bound is farther than this share from the best plan."""
+
 
 class Judge(Incumbent):
     """Takes switch walks: those that cost what their plan costs, and one that does not."""
@@ -127,7 +132,8 @@ class TwoHeadSearch:
     @property
     def lower_bound(self) -> float:
         """No plan costs less."""
-        return min(self.closed_bound, self.current, self.heap[0].bound if self.heap else np.inf, self.value)
+        first = self.heap[0].bound if self.heap else np.inf
+        return float(min(self.closed_bound, self.current, first, self.value))
 
     def offer(self, plan: Plan) -> None:
         """Keep a plan if it is allowed and better than the best."""
@@ -209,14 +215,19 @@ class TwoHeadSearch:
         closing, judge = cell.closing, cell.closing.incumbent
         assert isinstance(judge, Judge)
         judge.cost = self.value
-        (closing.advance if self.linear else closing.relax)()
+        few = self.linear and len(cell.region.free) <= FEW
+        (closing.advance if few else closing.relax)()
         cell.walk_bound = max(cell.walk_bound, closing.bound)
         cell.bound = max(cell.bound, min(cell.walk_bound, judge.limit))
         if judge.cheaper is not None:
             return self._divided(cell, judge.cheaper)
         if closing.closed:
             return []
-        return self._divided(cell, None) if closing.stuck or not self.linear else [cell]
+        if closing.ascent.found.exhausted and (closing.stuck or not few):
+            return self._divided(cell, None)
+        # Memories grow better before a division, which passes them on, while the bound is far off.
+        far = self.linear and self.limit - cell.walk_bound > FAR * self.limit
+        return [cell] if few or far else self._divided(cell, None)
 
     def _closing(self, cell: Cell) -> Closing:
         """Return the walk problem of a region, which begins with what was learned from its parent."""

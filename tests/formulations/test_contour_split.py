@@ -8,7 +8,7 @@ from oracles.entry_tours import best_plan
 from oracles.random_instances import LAYOUTS, random_instance
 
 from cutgap.formulations import choose, solve
-from cutgap.formulations.contour_dp import closing
+from cutgap.formulations.contour_dp import closing, two_head_search
 from cutgap.formulations.contour_dp.closing import walk_cost
 from cutgap.formulations.contour_dp.division import Division
 from cutgap.formulations.contour_dp.two_heads import Price, plan_of_switch_walk, switch_walks
@@ -43,6 +43,7 @@ def test_agrees_with_brute_force(layout, objective, gap, monkeypatch):
     rng = np.random.default_rng(seed)
     # A search of one row a layer has to grow many times before it is complete.
     monkeypatch.setattr(closing, "FIRST_WIDTH", int(rng.choice([1, 1000])))
+    monkeypatch.setattr(two_head_search, "FEW", int(rng.choice([0, 10])))
     for metric in ("euclidean", "chebyshev", "matrix"):
         contours = int(rng.integers(0, 6))
         part = random_instance(rng, contours, layout=layout, metric=metric, entries=2 if contours == 5 else 3)
