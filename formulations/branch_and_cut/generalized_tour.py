@@ -284,6 +284,10 @@ class GeneralizedTourModel(Model):
     # Search
 
     def round(self) -> tuple[float, Ints] | None:
+        """Search near the point; the point itself comes first when it is a tour."""
+        own = self._own_tour()
+        if own is not None:
+            return improved_tour(self.lengths, self.first, own, ROUNDING * self.contours, self.rng)
         guide = self.lengths.copy()
         columns = self.solution.x[self.nodes :]
         used = columns > INTEGRALITY
@@ -293,6 +297,24 @@ class GeneralizedTourModel(Model):
         search = EntrySearch(plain_task(guide, self.first), ROUNDING * self.contours, rng=self.rng)
         search.run(search.rounds)
         return tour_of(self.task, [contour for contour, _ in search.best.visits])
+
+    def _own_tour(self) -> Ints | None:
+        """Return the tour of an integral point, ``None`` when it is fractional or falls apart."""
+        x = self.solution.x
+        if (np.abs(x - np.round(x)) > INTEGRALITY).any():
+            return None
+        ends: dict[int, list[int]] = {}
+        for edge in np.flatnonzero(x[self.nodes :] > 0.5).tolist():
+            u, v = int(self.tails[edge]), int(self.heads[edge])
+            ends.setdefault(u, []).append(v)
+            ends.setdefault(v, []).append(u)
+        tour = [next(iter(ends))]
+        while len(tour) < self.contours:
+            ahead = [node for node in ends[tour[-1]] if node not in tour[-2:]]
+            if not ahead or ahead[0] == tour[0]:
+                return None
+            tour.append(ahead[0])
+        return np.array(tour)
 
     def candidates(self, most: int) -> list[int]:
         """Take y and edges half and half, each the nearest to a half: either alone makes larger trees."""

@@ -10,7 +10,8 @@ relaxation, and is one of
 Why it is valid: let some whole solution cost less than the target. It lies within the bounds of the root, and
 of one child of each branching that holds it. Fixing does not lose it: with r_j > 0 a solution with x_j > l_j
 costs at least value + r_j, as (1) of ``relaxation`` counts x_j at l_j (likewise r_j < 0 and u_j). So it lies in
-some leaf, whose value it is not below: a contradiction. A node whose bounds cross holds no solution.
+some leaf, whose value it is not below: a contradiction. A node whose bounds cross holds no solution; below a
+fixing whose value reaches the target there is nothing to be proved, so its bounds are crossed.
 """
 
 from collections.abc import Callable, Sequence
@@ -148,8 +149,12 @@ def _multipliers(value: Any, rows: Sequence[Row]) -> list[tuple[Row, int]]:
 def _fix(trail: Trail, value: int, reduced: list[int], target: int) -> None:
     """Reduced-cost fixing: a variable that costs the target when it leaves its bound stays there.
 
-    A variable without upper bound has equal numbers for its bounds, so that it is left alone.
+    A variable without upper bound has equal numbers for its bounds, so that it is left alone. When all
+    solutions cost the target, crossed bounds say that none below it is left.
     """
+    if value >= target:
+        trail.set(0, 1, 0)
+        return
     for variable, r in enumerate(reduced):
         low, high = trail.bounds.lower[variable], trail.bounds.upper[variable]
         if r != 0 and low < high and value + abs(r) >= target:

@@ -171,10 +171,16 @@ def fixing_keeps_cheaper_tours(api: Any) -> None:
         value, reduced = api.leaf_value(relaxation, trail.bounds, multipliers)
         api.proof._fix(trail, value, reduced, target)
         bounds = trail.bounds
+        if value >= target:
+            assert (costs >= target).all()
+            assert trail.crossed
+            trail.undo(0)
+            continue
         within = ((points >= bounds.lower) & (points <= bounds.upper)).all(axis=1)
         assert (within | (costs >= target)).all()
         fixed += [sum(bounds.lower), len(bounds.upper) - sum(bounds.upper)]
         trail.undo(0)
+        assert not trail.crossed
         assert trail.bounds.upper == relaxation.start.upper
     assert (fixed > 0).all()
 

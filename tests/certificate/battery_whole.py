@@ -78,6 +78,21 @@ def leaves_count_to_the_last_unit(api: Any) -> None:
 
 
 @battery
+def below_a_fixing_that_reaches_the_target_nothing_is_asked(api: Any) -> None:
+    made = copy.deepcopy(sample("tour"))
+    tour = made.certificate["proof"]["tour"]
+    pairs = tour["nodes"][0].get("leaf") or tour["nodes"][0]["fix"]
+    split = {"branch": ["x", 0, 1], "at": 0, "down": 2, "up": 3}
+    tour["nodes"] = [{"fix": pairs, "then": 1}, split, {"leaf": []}, {"leaf": []}]
+    tour["length"] = tour["length"] * 9 // 10  # low enough for the root alone
+    certificate = {**made.certificate, "bound": tour["length"]}
+    assert api.verify(certificate, made.document).bound is not None
+    tour["nodes"][0] = {"fix": [], "then": 1}
+    with pytest.raises(api.Refused, match=r"node [23]: .*worth"):
+        api.verify(certificate, made.document)
+
+
+@battery
 def forgeries_are_refused(api: Any) -> None:
     generalized = ((f"gtsp: {name}", "gtsp", forge, message) for name, forge, message in GENERALIZED)
     for name, base, forge, message in (*FORGERIES, *generalized):

@@ -176,8 +176,10 @@ MUTANTS = [
         "fixing_keeps_cheaper_tours",
         ("value + abs(r) >= target", "value + 2 * abs(r) >= target"),
         ("(low, low) if r > 0", "(low, low) if r < 0"),
+        ("if value >= target:", "if value >= target - 1000 * abs(target):"),
         ("value + abs(r) >= target", "value + r >= target"),
     ),
+    Mutant("proof.py", "trail.set(0, 1, 0)", "pass", "below_a_fixing_that_reaches_the_target_nothing_is_asked"),
     *mutants(
         "proof.py",
         "one_trees_are_minimal",

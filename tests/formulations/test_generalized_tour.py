@@ -12,7 +12,7 @@ from oracles.random_sheets import random_sheet
 
 from cutgap.formulations import solve
 from cutgap.formulations.certificate import verify
-from cutgap.instances import Plan, Rules, Visit, check
+from cutgap.instances import Contour, Head, Instance, Machine, Plan, Rules, Visit, check
 from cutgap.instances.formats.json_format import format_instance
 
 
@@ -67,15 +67,31 @@ def test_agrees_with_the_method_for_single_entries():
     assert values[0] == pytest.approx(values[1])
 
 
-def test_branching_ends_with_a_certificate():
-    """Points on a coarse grid: many tours of one length, and fractional ones between them."""
-    rng = np.random.default_rng(8)
-    part = clustered(rng, 16, 4)
-    points = [replace(c, entry_points=np.floor(c.entry_points / 100.0) * 100.0) for c in part.contours]
-    part = replace(part, contours=tuple(points))
-    result = solve(part, Rules("travel"), method="gtsp", certify=True)
-    assert result.status == "optimal"
-    assert verify(result.certificate, format_instance(part)).gap < 1e-6
+def drawn_matrix(rng):
+    """An instance of whole lengths or quarters without triangle inequality, many of them equal, some zero."""
+    sizes, home = rng.integers(1, int(rng.integers(2, 6)), int(rng.integers(5, 9))), bool(rng.integers(2))
+    count = int(sizes.sum()) + home
+    upper = np.triu(rng.integers(0, int(rng.choice([3, 20, 1000])), (count, count)), 1)
+    matrix = (upper + upper.T) * float(rng.choice([1.0, 0.25, 3.0]))
+    contours = tuple(Contour(f"c{i}", np.zeros((size, 3)), 1.0) for i, size in enumerate(sizes))
+    head = Head("h", np.zeros(3) if home else None)
+    return Instance("drawn", contours, (head,), Machine(metric="matrix"), (), matrix, located=False)
+
+
+def test_random_matrices_are_solved_and_certified():
+    """Some need branching, some end at a fixing, some at a point that is a tour."""
+    kinds = set()
+    for seed in range(120):
+        part = drawn_matrix(np.random.default_rng(seed))
+        nodes = [*map(range, part.first_node[:-1], part.first_node[1:])]
+        nodes += [] if part.home_node(0) is None else [range(part.home_node(0), part.node_count)]
+        length = shortest_generalized_tour(part.rapids.tolist(), nodes)
+        result = solve(part, Rules("travel"), method="gtsp", certify=True)
+        assert (result.status, result.value) == ("optimal", pytest.approx(length)), seed
+        verdict = verify(result.certificate, format_instance(part))
+        assert length - 1e-3 <= verdict.bound <= length
+        kinds |= {kind for node in result.certificate["proof"].get("nodes", []) for kind in node}
+    assert {"branch", "fix", "leaf"} <= kinds
 
 
 def test_a_stopped_run_keeps_plan_and_bound():
