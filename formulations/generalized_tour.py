@@ -15,7 +15,7 @@ import numpy as np
 
 from cutgap.formulations.branch_and_cut.engine import Outcome
 from cutgap.formulations.branch_and_cut.generalized_cuts import GeneralizedCut
-from cutgap.formulations.branch_and_cut.generalized_tour import shortest_generalized_tour
+from cutgap.formulations.branch_and_cut.generalized_search import shortest_generalized_tour
 from cutgap.formulations.branch_and_cut.model import Fixing
 from cutgap.formulations.certify import SCALE, Family, Rows, certificate_of, flat_tree
 from cutgap.formulations.scope import require_symmetric

@@ -201,6 +201,14 @@ def _tour(task: Task, clusters: Ints, nodes: Ints, barred: int) -> EntryTour:
     return EntryTour(tuple(visits), cost, barred)
 
 
+def shortest_in_order(task: Task, order: Sequence[int] | Ints) -> tuple[float, Ints]:
+    """Return the length and the nodes of the shortest tour through contours in a given order."""
+    found = best_entries(task, order)
+    return found.cost, np.array(
+        [task.first[contour] + entry for contour, entry in found.visits], dtype=np.int64
+    )
+
+
 class EntrySearch:
     """A search for a good tour that can be run piece by piece; the pieces do not change what it finds.
 

@@ -18,13 +18,11 @@ rule out are gone and, when few are left, all of them have entered.
 Source: Fischetti, Salazar, Toth (1995, 1997).
 """
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 
-from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
 from cutgap.formulations.branch_and_cut.generalized_cuts import (
     GeneralizedCut,
     Point,
@@ -34,17 +32,12 @@ from cutgap.formulations.branch_and_cut.generalized_cuts import (
 )
 from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, NO_VALUES, Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.separation import Mask, Members
-from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY, TOLERANCE
+from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY
 from cutgap.instances.arrays import Floats, Ints
-from cutgap.instances.entry_steps import Task
-from cutgap.instances.entry_tours import EntrySearch, best_entries, plain_task
-from cutgap.instances.progress import Watch, nobody
+from cutgap.instances.entry_tours import EntrySearch, plain_task, shortest_in_order
 
 NEIGHBOURS = 3
 """Contours to whose nearest node each node has an edge in the first linear program."""
-
-START_ROUNDS, START_PIECE = 300, 500
-"""Rounds of local search a contour, before branch and cut, and rounds between looks at the clock."""
 
 ROUNDING = 10
 """Rounds of local search a contour, at a fractional point."""
@@ -287,7 +280,7 @@ class GeneralizedTourModel(Model):
         """Search near the point; the point itself comes first when it is a tour."""
         own = self._own_tour()
         if own is not None:
-            return improved_tour(self.lengths, self.first, own, ROUNDING * self.contours, self.rng)
+            return shortest_in_order(self.task, self.contour_of[own])
         guide = self.lengths.copy()
         columns = self.solution.x[self.nodes :]
         used = columns > INTEGRALITY
@@ -296,7 +289,7 @@ class GeneralizedTourModel(Model):
         guide[self.heads[used], self.tails[used]] *= discount
         search = EntrySearch(plain_task(guide, self.first), ROUNDING * self.contours, rng=self.rng)
         search.run(search.rounds)
-        return tour_of(self.task, [contour for contour, _ in search.best.visits])
+        return shortest_in_order(self.task, [contour for contour, _ in search.best.visits])
 
     def _own_tour(self) -> Ints | None:
         """Return the tour of an integral point, ``None`` when it is fractional or falls apart."""
@@ -348,57 +341,3 @@ def _add_sets(edges: Floats, masks: np.ndarray, prices: Floats) -> None:
         for u in members:
             for v in members:
                 edges[u, v] += prices[s]
-
-
-def tour_of(task: Task, order: Sequence[int] | Ints) -> tuple[float, Ints]:
-    """Return the length and the nodes of the shortest tour through contours in a given order."""
-    found = best_entries(task, order)
-    return found.cost, np.array(
-        [task.first[contour] + entry for contour, entry in found.visits], dtype=np.int64
-    )
-
-
-def shortest_generalized_tour(
-    lengths: Floats,
-    first: Ints,
-    *,
-    start: Ints | None = None,
-    step: float = 0.0,
-    deadline: float = np.inf,
-    watch: Watch = nobody,
-) -> Outcome:
-    """Find the shortest closed tour through one node of each contour.
-
-    Parameters
-    ----------
-    lengths
-        Shape (n, n), mm, symmetric, not negative.
-    first
-        Shape (contours + 1,): contour h has the nodes first[h] .. first[h + 1] - 1; at least two contours.
-    start
-        Nodes of a tour to start from.
-    step
-        A length that divides all lengths of tours; 0 when none is known.
-
-    Returns
-    -------
-    Outcome
-        ``solution`` holds the nodes in order.
-    """
-    task = plain_task(lengths, first)
-    local = EntrySearch(task, START_ROUNDS * (len(first) - 1), rng=np.random.default_rng(0))
-    while not local.over and (local.done == 0 or time.perf_counter() < deadline):
-        local.run(START_PIECE)
-    best = tour_of(task, [contour for contour, _ in local.best.visits])
-    if start is not None:
-        order = np.searchsorted(first, start, side="right") - 1
-        best = min(best, tour_of(task, order), key=lambda tour: tour[0])
-    search = BranchAndCut(
-        GeneralizedTourModel(lengths, first, best[1]),
-        incumbent=best,
-        tolerance=TOLERANCE,
-        step=step,
-        deadline=deadline,
-        watch=watch,
-    )
-    return search.run()
