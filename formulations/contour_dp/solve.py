@@ -136,8 +136,8 @@ class ContourSearch:
 
     @property
     def bound(self) -> float:
-        """No plan costs less, mm."""
-        best = self.incumbent.cost
+        """No plan costs less, mm; a closed problem has shown that none is below the limit."""
+        best = self.incumbent.cost if self.incumbent.step > 0.0 else self.incumbent.limit
         return min((best if each.closed else min(best, each.bound) for each in self.closings), default=np.inf)
 
     def objective(self, cost: float) -> float:
