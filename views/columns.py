@@ -82,10 +82,23 @@ PUBLISHED = Column(
 )
 
 
+VALUE = Column("value", "Value of the objective.", lambda row: number(row.value, 2))
+IMBALANCE = _figure("imbalance [s]", "Longest T minus shortest T.", 2, lambda e: e.imbalance_s)
+PARTITION_GAP = _figure(
+    "F [mm]",
+    "Partition gap: smallest x of the right head's contours minus largest x of the left head's; "
+    "negative is an overlap.",
+    1,
+    lambda e: e.partition_gap_mm,
+)
+
+
 def columns(rows: Sequence[TableRow]) -> list[Column]:
-    """Return the columns for rows: times of as many heads as there are, published values if there are any."""
+    """Return the columns for rows: some only where there are several heads, combined or published values."""
     heads = max((row.best.heads for row in rows), default=2)
     is_published = any(row.published is not None for row in rows)
+    # Where the objective is no figure of its own in the table, it gets a column.
+    combined = any(row.rules.objective == "weighted" or row.rules.backward_price > 0 for row in rows)
     return [
         Column("part", "Name of the instance.", lambda row: row.instance, numeric=False),
         Column("N", "Number of contours.", lambda row: str(row.contours)),
@@ -97,16 +110,11 @@ def columns(rows: Sequence[TableRow]) -> list[Column]:
             lambda row: runs(row.allowed, row.runs),
         ),
         _figure("travel [mm]", "Length of all rapids of all heads.", 1, lambda e: e.total_travel_mm),
-        *[_head_time(head) for head in range(heads)],
-        _figure("imbalance [s]", "Longest T minus shortest T.", 2, lambda e: e.imbalance_s),
+        *([VALUE] if combined else []),
+        *([_head_time(head) for head in range(heads)] if heads > 1 else []),
+        *([IMBALANCE] if heads > 1 else []),
         _figure("makespan [s]", "The longest T: what the machine waits for.", 2, lambda e: e.makespan_s),
-        _figure(
-            "F [mm]",
-            "Partition gap: smallest x of the right head's contours minus largest x of the left head's; "
-            "negative is an overlap.",
-            1,
-            lambda e: e.partition_gap_mm,
-        ),
+        *([PARTITION_GAP] if heads > 1 else []),
         Column(
             "bound",
             "=: the optimum of the objective; ≥: a lower bound that no plan meets yet. Its certificate was "

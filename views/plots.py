@@ -228,7 +228,8 @@ def _draw_legend(figure: Figure, instance: Instance, plan: Plan | None, via_poin
     handles = []
     if plan is not None:
         for index, head in enumerate(instance.heads):
-            handles.append(Line2D([], [], color=_colour(index), label=f"head {head.id}"))
+            name = head.id if head.id.startswith("head") else f"head {head.id}"
+            handles.append(Line2D([], [], color=_colour(index), label=name))
         first = "via point" if via_points else "first contour"
         handles.append(_mark("o", first, filled=False))
         if sum(map(bool, plan.tours)) > 1:

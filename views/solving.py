@@ -57,6 +57,10 @@ def solve(
     require_time_limit(time_limit)
     instance = read_instance(file, machine.options())
     asked = rules.rules()
+    if plot is not None and not instance.located:
+        raise ValueError(
+            f"{file}: it gives lengths but no coordinates, so --plot has nothing to draw; leave it out"
+        )
     result = _run(instance, asked, method, seed, time_limit)
     if result.plan is not None and out is not None:
         write_plan(result.plan, instance, out)
@@ -73,7 +77,7 @@ def solve(
     if result.reason:
         print(f"cutgap: {result.reason}", file=sys.stderr)
     if certificate is not None and result.certificate is None:
-        print("cutgap: no certificate: the bound is the solver's claim", file=sys.stderr)
+        print(f"cutgap: no certificate: {result.method} found none, its bound is a claim", file=sys.stderr)
         return 1
     return 0 if result.status in (Status.OPTIMAL, Status.FEASIBLE) else 1
 

@@ -52,6 +52,8 @@ def _read(path: Path) -> str:
             return file.read(MAX_CHARACTERS + 1)
     except UnicodeDecodeError as error:
         raise Refused(f"the file is not UTF-8 text: {error}") from error
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
 def _instance_document(file: Path, machine: MachineArguments) -> str:

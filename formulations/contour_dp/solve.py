@@ -59,7 +59,7 @@ def solve_contours(
         search.plan,
         method=NAME,
         seconds=time.perf_counter() - begun,
-        lower_bound=search.objective(proved) if np.isfinite(proved) else None,
+        lower_bound=search.objective(max(0.0, proved)) if np.isfinite(proved) else None,
         infeasible=complete and search.plan is None,
         reason=None if complete else "stopped early",
     )

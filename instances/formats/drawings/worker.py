@@ -36,8 +36,8 @@ def read(kind: str, content: bytes, options: DrawingOptions) -> tuple[list[Outli
     strands, notes = _STRANDS[kind](content, options)
     outlines, more = sound_outlines(chain(strands, options.tolerance), options)
     if not outlines:
-        left_out = "; ".join((*notes, *more)) or "it is empty"
-        raise ValueError(f"no closed contour in the drawing: {left_out}")
+        said = "; ".join((*notes, *more)) or "it is empty"
+        raise ValueError(f"no closed contour in the drawing; draw closed curves, choose other layers ({said})")
     return outlines, [*notes, *more]
 
 
