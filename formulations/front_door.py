@@ -42,8 +42,15 @@ class Choice(NamedTuple):
     why: str
 
 
-FEW_CONTOURS = 36
-"""Up to so many contours their dynamic programme closes faster than branch and cut."""
+FEW_CONTOURS, FEW_POINTS = 36, 6
+"""Up to so many contours their dynamic programme closes faster than branch and cut; with more points a contour
+than this on average it does so beyond, since the linear programme enters and leaves contours at two points."""
+
+
+def _suits_edges(instance: Instance) -> bool:
+    """Whether branch and cut is the better method for one head, contours in any order and symmetric lengths."""
+    count = len(instance.contours)
+    return count > MOST_CONTOURS or (count > FEW_CONTOURS and instance.node_count <= FEW_POINTS * count)
 
 
 def choose(instance: Instance, rules: Rules) -> Choice:
@@ -63,10 +70,11 @@ def choose(instance: Instance, rules: Rules) -> Choice:
         if ordered:
             asked = ", ".join([*(["precedence"] if instance.precedence else []), *rules.process])
             return Choice("contour-dp", f"one head under {asked}")
-        if not symmetric or len(instance.contours) <= FEW_CONTOURS:
-            reason = "few contours" if symmetric else "lengths that differ by direction"
-            return Choice("contour-dp", f"one head, entry points, {reason}")
-        return Choice("gtsp", f"one head, entry points, more than {FEW_CONTOURS} contours in any order")
+        if not symmetric:
+            return Choice("contour-dp", "one head, entry points, lengths that differ by direction")
+        if _suits_edges(instance):
+            return Choice("gtsp", "one head, many contours in any order, few entry points each")
+        return Choice("contour-dp", "one head, not too many contours, entry points")
     if len(instance.heads) > 2 or ordered:
         return Choice("cpsat", "two heads under precedence or process rules")
     if not single or not symmetric:

@@ -15,9 +15,9 @@ def points(heads=1, homes=True, **options):
     return random_instance(np.random.default_rng(3), 5, layout="uniform", heads=heads, homes=homes, **options)
 
 
-def many(contours, precedence=()):
+def many(contours, precedence=(), points=2):
     rng = np.random.default_rng(0)
-    holes = tuple(Contour(str(i), rng.uniform(0, 100, (2, 3)), 1.0) for i in range(contours))
+    holes = tuple(Contour(str(i), rng.uniform(0, 100, (points, 3)), 1.0) for i in range(contours))
     return Instance("many", holes, (Head("h"),), precedence=precedence)
 
 
@@ -25,7 +25,7 @@ SHEET = random_sheet(np.random.default_rng(0), 4)
 OVERLAP = Rules("travel", non_overlap=None)
 CASES = [
     (points(), Rules("travel"), "tour", "one entry point"),
-    (points(entries=3), Rules("travel"), "contour-dp", "few contours"),
+    (points(entries=3), Rules("travel"), "contour-dp", "not too many contours"),
     (points(metric="matrix"), OVERLAP, "contour-dp", "direction"),
     (points(precedence=0.5), Rules("travel"), "contour-dp", "precedence"),
     (points(), Rules("travel", backward_price=1.0), "contour-dp", "backward price"),
@@ -36,7 +36,8 @@ CASES = [
         "clear rapids",
     ),
     (points(entries=3), Rules("travel", via_points=True), "cpsat", "via points"),
-    (many(37), Rules("travel"), "gtsp", "more than 36"),
+    (many(37), Rules("travel"), "gtsp", "many contours"),
+    (many(63, (), 7), Rules("travel"), "gtsp", "many contours"),
     (many(63, ((0, 1),)), Rules("travel"), "gtsp", "leaves rules on order out"),
     (points(heads=2), Rules(), "split", "must not overlap"),
     (points(heads=2), OVERLAP, "free", "may overlap"),
