@@ -11,8 +11,8 @@ from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.entry_tours import EntrySearch, plain_task, shortest_in_order
 from cutgap.instances.progress import Watch, nobody
 
-START_ROUNDS, START_PIECE = 300, 500
-"""Rounds of local search a contour, before branch and cut, and rounds between looks at the clock."""
+START_ROUNDS, START_MOST, START_PIECE = 300, 30_000, 500
+"""Rounds of local search a contour, and at most, before branch and cut; rounds between looks at the clock."""
 
 
 def shortest_generalized_tour(
@@ -43,7 +43,7 @@ def shortest_generalized_tour(
         ``solution`` holds the nodes in order.
     """
     task = plain_task(lengths, first)
-    local = EntrySearch(task, START_ROUNDS * (len(first) - 1), rng=np.random.default_rng(0))
+    local = EntrySearch(task, min(START_MOST, START_ROUNDS * (len(first) - 1)), rng=np.random.default_rng(0))
     while not local.over and (local.done == 0 or time.perf_counter() < deadline):
         local.run(START_PIECE)
     best = shortest_in_order(task, [contour for contour, _ in local.best.visits])

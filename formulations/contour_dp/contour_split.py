@@ -14,6 +14,7 @@ from cutgap.formulations.contour_dp.two_head_search import TwoHeadSearch
 from cutgap.formulations.scope import require_any_order
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.progress import Watch, nobody
+from cutgap.instances.result import OPTIMALITY_TOLERANCE
 
 NAME = "contour-split"
 LOOSE = "longer tours than the shortest ones may pay (limit on imbalance, or weight above v_jump)"
@@ -51,7 +52,9 @@ def solve_contour_split(
         return conclude(instance, rules, Plan(((), ())), method=NAME, seconds=0.0, lower_bound=0.0)
     reason = search.run(start)
     bound = search.lower_bound
-    if reason is None and search.closed_bound < search.limit:
+    # Sides are proved to within half the tolerance, and so are regions that are closed.
+    slack = 0.0 if search.best is None else OPTIMALITY_TOLERANCE * max(1.0, abs(search.value))
+    if reason is None and search.closed_bound < search.value - slack:
         reason = LOOSE
     infeasible = reason is None and search.best is None
     return conclude(
