@@ -3,6 +3,7 @@
     suite SUITE   every instance of a suite under its own rules, with published values and bounds beside
     rules         the shipped nest under all process rules, and without each of them: the price of each rule
     wall          contours of the shipped nest, ever more of them, without precedence: time and memory
+    two-heads     contours spread over that nest, two heads from its left and right side: travel and makespan
 
 The seconds do not contain loading and compiling; the memory is the process's peak, both included.
 """
@@ -15,15 +16,20 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 
+import numpy as np
+
 from cutgap.benchmark.best_known import published_runs
 from cutgap.benchmark.methods import AUTO, run, warm_up
 from cutgap.benchmark.peers import Row, figures, print_rows
 from cutgap.benchmark.tasks import SUITE_RULES, find_suite
-from cutgap.instances import Instance, Result, Rules
+from cutgap.instances import Head, Instance, Result, Rules
 from cutgap.instances.formats import NO_OVERRIDES
+from cutgap.instances.rules import Objective
 from cutgap.instances.suites import load_suite
 
 WALL_SIZES = (20, 25, 30, 35, 40, 47)
+TWO_HEADS_SIZES = (10, 20, 30, 47)
+OBJECTIVES: tuple[Objective, ...] = ("travel", "makespan")
 COLUMNS = (
     "instance",
     "contours",
@@ -110,11 +116,24 @@ def wall_rows(method: str, limit_s: float) -> Iterator[Row]:
         yield row(f"{size} contours", part, measure(part, Rules("travel"), method, limit_s), "-")
 
 
+def two_heads_rows(method: str, limit_s: float) -> Iterator[Row]:
+    """Two heads whose ranges do not overlap, over contours spread evenly through the nest, as holes."""
+    (nest,) = load_suite(NEST)
+    heads = (Head("left", np.array([-100.0, 900.0, 0.0])), Head("right", np.array([3100.0, 900.0, 0.0])))
+    for size in TWO_HEADS_SIZES:
+        chosen = np.linspace(0, len(nest.contours) - 1, size).round().astype(int)
+        contours = tuple(nest.contours[place] for place in chosen)
+        part = replace(nest, contours=contours, heads=heads, precedence=())
+        for objective in OBJECTIVES:
+            rules = Rules(objective)
+            yield row(f"{size} contours, {objective}", part, measure(part, rules, method, limit_s), "-")
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmark that the command line names, and print its table."""
     parser = argparse.ArgumentParser(prog="python -m cutgap.benchmark.entry_points", description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("name", choices=["suite", "rules", "wall"])
+    parser.add_argument("name", choices=["suite", "rules", "wall", "two-heads"])
     parser.add_argument("suite", nargs="?", help="for suite: as for cutgap gaps, such as pcgtsp:DIR")
     parser.add_argument("--method", default=AUTO)
     parser.add_argument("--limit", type=float, default=600.0, help="time limit in s")
@@ -124,7 +143,8 @@ def main(arguments: list[str] | None = None) -> int:
     if given.name == "suite":
         rows = suite_rows(given.suite, given.method, given.limit)
     else:
-        rows = (rules_rows if given.name == "rules" else wall_rows)(given.method, given.limit)
+        made = {"rules": rules_rows, "wall": wall_rows, "two-heads": two_heads_rows}[given.name]
+        rows = made(given.method, given.limit)
     print_rows(f"{given.name}, method {given.method}, limit {given.limit:g} s", COLUMNS, rows)
     return 0
 

@@ -28,7 +28,6 @@ MARGINS_MM = (1e-6, 1e-5, 1e-4, 1e-3)
 MULTIPLIERS_UNUSED = 1
 """Multiplier scale of proofs that have no rows."""
 
-SIDES = ("down", "up")
 RAY_SURPLUS_MM = 1e6
 """A ray of value 1 is taken so often that no bound of a parent, however bad, keeps a leaf below the target."""
 

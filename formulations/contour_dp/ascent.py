@@ -33,9 +33,8 @@ STALL_STEPS, STALL_SHARE = 12, 0.03
 """A round ends when so many steps close less than this share of the gap."""
 GUESS = 0.03
 """Share by which a bound is hoped to rise while no limit is known."""
-START_MEMBERS = 4
-GROWTH = 3
-"""Most members that a memory gains in a round."""
+START_MEMBERS, GROWTH = 4, 3
+"""Members of a memory at first (and mates of the part), and most members that it gains in a round."""
 CELLS = 60_000_000
 """Most numbers in the table of a forward pass."""
 
@@ -79,6 +78,38 @@ def possible(walks: Walks) -> Bools:
     return allowed
 
 
+class Climb:
+    """The subgradient steps (2) of a round: theta shrinks where the bound does not rise."""
+
+    def __init__(self, prices: Floats) -> None:
+        self.best, self.best_prices = -np.inf, prices
+        self.theta, self.failures = 1.0, 0
+        self.history: list[float] = []
+
+    def note(self, bound: float, prices: Floats) -> None:
+        """Keep the best bound of the round and its prices."""
+        self.failures += 1
+        if bound > self.best:
+            self.best, self.best_prices, self.failures = bound, prices, 0
+        self.history.append(self.best)
+
+    def stalls(self, limit: float) -> bool:
+        """Whether the last steps closed little of the gap."""
+        if len(self.history) <= STALL_STEPS:
+            return False
+        return self.best - self.history[-1 - STALL_STEPS] < STALL_SHARE * (self._aim(limit) - self.best)
+
+    def step(self, bound: float, prices: Floats, excess: Floats, limit: float) -> Floats:
+        """Return the next prices by (2), for a walk of this bound and excess of visits."""
+        if self.failures >= PATIENCE:
+            self.theta, self.failures = SHRINK * self.theta, 0
+        return prices + self.theta * (self._aim(limit) - bound) / float(excess @ excess) * excess
+
+    def _aim(self, limit: float) -> float:
+        """Return what the bound is hoped to reach: the limit, or a guess without one."""
+        return limit if np.isfinite(limit) else self.best + GUESS * abs(self.best)
+
+
 class Ascent:
     """The rounds over one walk problem; ``limit`` in mm: dearer walks are of no interest."""
 
@@ -100,15 +131,11 @@ class Ascent:
 
     def _improve(self, memory: Memory) -> list["Forgotten"]:
         """Improve the prices for one memory; return what the walks of the last steps forgot."""
-        found, prices, theta, failures = self.found, self.prices.copy(), 1.0, 0
-        best, best_prices, history = -np.inf, prices.copy(), []
+        found, prices, climb = self.found, self.prices, Climb(self.prices)
         forgotten: list[Forgotten] = []
-        for step in range(STEPS):
+        for _ in range(STEPS):
             bound, walk = self._relax(memory, prices)
-            if bound > best:
-                best, best_prices, failures = bound, prices.copy(), 0
-            else:
-                failures += 1
+            climb.note(bound, prices)
             if bound > found.bound:
                 found.bound = min(bound, found.limit)
                 self.watch(found.bound)
@@ -119,26 +146,15 @@ class Ascent:
                 found.walk = walk
                 break
             forgotten = [*missed, *forgotten[: 20 * self.walks.count]]
-            history.append(best)
-            stalled = step >= STALL_STEPS and best - history[-1 - STALL_STEPS] < STALL_SHARE * (
-                self._aim(best) - best
-            )
-            if stalled or time.perf_counter() > self.deadline:
+            visits = np.bincount(self.walks.contour_of[walk], minlength=self.walks.count)
+            excess = (visits - 1).astype(np.float64)
+            over = climb.stalls(found.limit) or time.perf_counter() > self.deadline
+            if over or not excess.any():
                 break
-            if failures >= PATIENCE:
-                theta, failures = SHRINK * theta, 0
-            excess = np.bincount(self.walks.contour_of[walk], minlength=self.walks.count) - 1.0
-            norm = float(excess @ excess)
-            if norm == 0.0:
-                break
-            prices = prices + theta * (self._aim(best) - bound) / norm * excess
-        self.prices = best_prices
-        self._finish(memory, best_prices)
+            prices = climb.step(bound, prices, excess, found.limit)
+        self.prices = climb.best_prices
+        self._finish(memory, self.prices)
         return forgotten
-
-    def _aim(self, best: float) -> float:
-        """Return what the bound is hoped to reach: the limit, or a guess without one."""
-        return self.found.limit if np.isfinite(self.found.limit) else best + GUESS * abs(best)
 
     def _relax(self, memory: Memory, prices: Floats) -> tuple[float, Ints]:
         value = self._forward(memory, prices)

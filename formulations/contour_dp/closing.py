@@ -1,23 +1,24 @@
-"""Closing walk problems: rounds of the ascent and ever wider searches, until bound and best walk meet."""
+"""Closing walk problems: rounds of the ascent and ever wider searches, until bound and best walk meet.
+
+A problem is closed when the best relaxed walk is a walk of it, when the relaxation leaves no walk below the
+limit (``ascent``), or when a search left no state out (``search``). A better walk must stay below the limit.
+"""
 
 import time
 from collections.abc import Callable
 
 import numpy as np
 
-from cutgap.formulations.contour_dp.ascent import Ascent, Stage
+from cutgap.formulations.contour_dp.ascent import Ascent
 from cutgap.formulations.contour_dp.search import MOST_CONTOURS, search
 from cutgap.formulations.contour_dp.walks import Walks
 from cutgap.instances.arrays import Ints
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
 
-FIRST_WIDTH = 1000
-WIDER = 4
-"""Each search is at most so many times as wide as the one before."""
+FIRST_WIDTH, WIDER = 1000, 4
+"""Rows of a layer in the first search, and how many times as wide the next one is."""
 ROWS_CELLS = 150_000_000
 """Most numbers in the layers of a search."""
-
-Offer = Callable[[float, Walks, Ints], None]
 
 
 class Incumbent:
@@ -55,8 +56,8 @@ class Closing:
     ----------
     bound
         No walk costs less than this, or than the incumbent.
-    proof
-        The stage by which it was closed, or by which the bound was found.
+    closed
+        Whether it is known that no walk is below the limit.
     """
 
     def __init__(self, walks: Walks, incumbent: Incumbent, deadline: float, watch: Callable[[], None]) -> None:
@@ -72,11 +73,6 @@ class Closing:
     def bound(self) -> float:
         """No walk costs less than this, or than the incumbent."""
         return max(self.ascent.found.bound, self.searched_bound)
-
-    @property
-    def proof(self) -> Stage:
-        """The last stage."""
-        return self.ascent.found.stages[-1]
 
     def advance(self) -> None:
         """Do a round of the ascent (none when its memories are full), and searches that take about as long."""

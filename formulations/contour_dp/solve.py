@@ -117,6 +117,7 @@ class ContourSearch:
             while self.advance():
                 pass
         except KeyboardInterrupt:
+            self._report()
             return False
         return self.closed
 

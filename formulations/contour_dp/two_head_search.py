@@ -133,7 +133,7 @@ class TwoHeadSearch:
     def lower_bound(self) -> float:
         """No plan costs less."""
         first = self.heap[0].bound if self.heap else np.inf
-        return float(min(self.closed_bound, self.current, first, self.value))
+        return float(min(self.closed_bound, self.current, first, self.limit))
 
     def offer(self, plan: Plan) -> None:
         """Keep a plan if it is allowed and better than the best."""

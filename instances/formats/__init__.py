@@ -14,8 +14,8 @@ suffix    content                               written  homes
 .txt      cutting paths: GTSPLIB in mm          no       set 1 if of one node; given ones replace it
 .txt      discs ``x y z r``                     no       a depot comment, or given
 .cetsp    discs ``x y z r``                     no       a depot comment, or given
-.dxf      drawing of a plate                    no       must be given
-.svg      drawing of a plate                    no       must be given
+.dxf      drawing of a plate                    no       closed tour without
+.svg      drawing of a plate                    no       closed tour without
 ========  ====================================  =======  ==========================================
 
 Where a suffix has several contents, the content itself says which it is.

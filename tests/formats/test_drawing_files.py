@@ -8,7 +8,7 @@ from threading import Timer, main_thread
 
 import pytest
 
-from cutgap.instances.formats import DrawingOptions, MachineOptions, read_instance, write_instance
+from cutgap.instances.formats import DrawingOptions, FormatNote, MachineOptions, read_instance, write_instance
 from cutgap.instances.formats.drawings import child
 from cutgap.instances.formats.drawings.child import Limits, read_outlines
 from cutgap.instances.formats.drawings.plate import sheet_note
@@ -84,10 +84,11 @@ def test_bad_options_are_named(tmp_path, capsys, options, message):
     assert message in capsys.readouterr().err
 
 
-def test_missing_homes_are_asked_for_before_the_work(tmp_path):
-    (tmp_path / "plate.svg").write_bytes(b"")
-    with pytest.raises(ValueError, match=r"plate\.svg: homes: the format carries none; give --home"):
-        read_instance(tmp_path / "plate.svg")
+def test_without_a_home_the_head_makes_a_closed_tour_and_a_note_says_so(tmp_path):
+    (tmp_path / "plate.dxf").write_bytes(dxf_bytes(plate()))
+    with pytest.warns(FormatNote, match="closed tour; give --home"):
+        instance = read_instance(tmp_path / "plate.dxf")
+    assert [head.home for head in instance.heads] == [None]
 
 
 def test_garbage_is_refused(tmp_path):

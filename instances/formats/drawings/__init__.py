@@ -9,7 +9,7 @@ import warnings
 
 from cutgap.instances.formats.drawings.child import Limits, read_outlines
 from cutgap.instances.formats.drawings.plate import instance_of, sheet_note
-from cutgap.instances.formats.options import FormatNote, MachineOptions
+from cutgap.instances.formats.options import HOME_HINT, FormatNote, MachineOptions
 from cutgap.instances.instance import Instance
 
 LIMITS = Limits()
@@ -32,8 +32,8 @@ def parse_svg(content: bytes, name: str, options: MachineOptions) -> Instance:
 
 
 def _parse(kind: str, content: bytes, name: str, options: MachineOptions) -> Instance:
-    options.heads()  # without homes there is no instance: say so before the work
     outlines, notes = read_outlines(kind, content, options.drawing, LIMITS)
-    for note in (*notes, *sheet_note(outlines)):
+    homeless = [] if options.homes else [f"no home: the head makes a closed tour; {HOME_HINT} for one"]
+    for note in (*notes, *sheet_note(outlines), *homeless):
         warnings.warn(note, FormatNote, stacklevel=4)
     return instance_of(outlines, name, options)

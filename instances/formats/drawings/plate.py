@@ -15,7 +15,7 @@ import numpy as np
 from cutgap.instances.formats.drawings.entry_points import with_entry_points
 from cutgap.instances.formats.drawings.outlines import Outline
 from cutgap.instances.formats.options import MachineOptions
-from cutgap.instances.instance import Contour, Instance
+from cutgap.instances.instance import Contour, Head, Instance
 from cutgap.instances.nesting import enclosures
 
 
@@ -56,7 +56,8 @@ def instance_of(outlines: list[Outline], name: str, options: MachineOptions) -> 
     pairs = [
         (place[number], place[role.within]) for number, role in enumerate(roles) if role.within is not None
     ]
-    return Instance(name, tuple(contours), options.heads(), options.machine(), precedence=tuple(sorted(pairs)))
+    heads = options.heads() if options.homes else (Head("head"),)
+    return Instance(name, tuple(contours), heads, options.machine(), precedence=tuple(sorted(pairs)))
 
 
 def _roles(outlines: list[Outline]) -> list[_Role]:
