@@ -9,21 +9,23 @@ from oracles.random_instances import random_instance
 from oracles.random_sheets import random_sheet
 
 from cutgap.formulations import solve
+from cutgap.formulations.certificate import verify
 from cutgap.formulations.contour_dp import closing
 from cutgap.formulations.contour_dp.ascent import Ascent, forgotten_by
 from cutgap.formulations.contour_dp.memory import build_memory, start_members
 from cutgap.formulations.contour_dp.passes import backward_pass, best_walk, forward_pass
 from cutgap.formulations.contour_dp.search import search
-from cutgap.formulations.contour_dp.solve import length_step
+from cutgap.formulations.contour_dp.solve import ContourSearch, length_step
 from cutgap.formulations.contour_dp.walks import walk_problems
 from cutgap.instances import Contour, Head, Instance, Machine, Plan, Rules, evaluate
+from cutgap.instances.formats.json_format import format_instance
 
 SWITCHES = ("parts_in_one_go", "neighbours_only", "clear_rapids")
 
 
 def require_optimum(instance, rules):
     best = best_plan(instance, rules)
-    result = solve(instance, rules, method="contour-dp")
+    result = solve(instance, rules, method="contour-dp", certify=True)
     if best is None:
         assert result.status == "infeasible"
         assert result.plan is None
@@ -31,9 +33,19 @@ def require_optimum(instance, rules):
     assert result.status == "optimal"
     assert not result.violations
     assert result.value == pytest.approx(best.value, abs=1e-6)
+    proved = float(verify(result.certificate, format_instance(instance)).bound)
+    assert best.value - 1e-4 <= proved <= best.value + 1e-9
     return best.value
 
 
+@pytest.fixture(params=[True, False], ids=["first plan", "no first plan"])
+def first_plan(request, monkeypatch):
+    """With a first plan, mostly optimal, the programme has only to prove it; without one, to find it."""
+    if not request.param:
+        monkeypatch.setattr(ContourSearch, "_start", lambda search, start: (None, np.inf))
+
+
+@pytest.mark.usefixtures("first_plan")
 @pytest.mark.parametrize("metric", ["euclidean", "chebyshev", "matrix"])
 @pytest.mark.parametrize("seed", range(12))
 def test_agrees_with_brute_force_on_any_points(metric, seed):
@@ -47,6 +59,7 @@ def test_agrees_with_brute_force_on_any_points(metric, seed):
     require_optimum(part, Rules("makespan"))
 
 
+@pytest.mark.usefixtures("first_plan")
 @pytest.mark.parametrize("asked", [(), *[(each,) for each in SWITCHES], SWITCHES])
 @pytest.mark.parametrize("seed", range(8))
 def test_agrees_with_brute_force_on_sheets(asked, seed, monkeypatch):
@@ -114,6 +127,7 @@ def plain_optimum(instance):
     return min(cost + d[v, home] for (_, v), cost in layer.items())
 
 
+@pytest.mark.usefixtures("first_plan")
 @pytest.mark.parametrize("seed", range(3))
 def test_agrees_with_a_plain_programme(seed):
     part = large_part(seed, contours=9, entries=3)
@@ -152,6 +166,7 @@ def test_a_narrow_search_still_bounds(width):
     ascent = Ascent(walks, np.inf, np.inf, lambda bound: None)
     ascent.round()
     result = search(walks, ascent.found, width)
+    assert not result.complete  # every layer but the first and the last has more rows
     assert min(result.bound, result.cost) <= optimum + 1e-9
     assert result.cost >= optimum - 1e-9
     assert ascent.found.bound <= optimum + 1e-9

@@ -35,6 +35,14 @@ def require_optimum(instance, rules):
     return best.value
 
 
+@pytest.fixture(params=[True, False], ids=["first plans", "no first plans"])
+def first_plans(request, monkeypatch):
+    """With first plans, mostly optimal, the search has only to prove one; without them, to find one."""
+    if not request.param:
+        monkeypatch.setattr(two_head_search.TwoHeadSearch, "_first_plans", lambda search, whole: None)
+
+
+@pytest.mark.usefixtures("first_plans")
 @pytest.mark.parametrize("gap", [0.0, 30.0, None])
 @pytest.mark.parametrize("objective", OBJECTIVES, ids=lambda each: each[0])
 @pytest.mark.parametrize("layout", LAYOUTS)
