@@ -10,7 +10,7 @@ from oracles.random_sheets import random_sheet
 
 from cutgap.formulations import solve
 from cutgap.formulations.certificate import verify
-from cutgap.formulations.contour_dp import closing
+from cutgap.formulations.contour_dp import ascent, closing
 from cutgap.formulations.contour_dp.ascent import Ascent, forgotten_by
 from cutgap.formulations.contour_dp.memory import build_memory, start_members
 from cutgap.formulations.contour_dp.passes import backward_pass, best_walk, forward_pass
@@ -38,14 +38,21 @@ def require_optimum(instance, rules):
     return best.value
 
 
-@pytest.fixture(params=[True, False], ids=["first plan", "no first plan"])
-def first_plan(request, monkeypatch):
-    """With a first plan, mostly optimal, the programme has only to prove it; without one, to find it."""
-    if not request.param:
+@pytest.fixture(params=["usual", "no first plan", "weak relaxation"])
+def way(request, monkeypatch):
+    """On tiny parts the first plan is mostly optimal and the relaxation exact: then nothing else is tried.
+
+    Without a first plan the programme has to find the optimum; with memories of nothing and two steps of the
+    ascent the sparse search has to.
+    """
+    if request.param != "usual":
         monkeypatch.setattr(ContourSearch, "_start", lambda search, start: (None, np.inf))
+    if request.param == "weak relaxation":
+        monkeypatch.setattr(ascent, "START_MEMBERS", 0)
+        monkeypatch.setattr(ascent, "STEPS", 2)
 
 
-@pytest.mark.usefixtures("first_plan")
+@pytest.mark.usefixtures("way")
 @pytest.mark.parametrize("metric", ["euclidean", "chebyshev", "matrix"])
 @pytest.mark.parametrize("seed", range(12))
 def test_agrees_with_brute_force_on_any_points(metric, seed):
@@ -59,7 +66,7 @@ def test_agrees_with_brute_force_on_any_points(metric, seed):
     require_optimum(part, Rules("makespan"))
 
 
-@pytest.mark.usefixtures("first_plan")
+@pytest.mark.usefixtures("way")
 @pytest.mark.parametrize("asked", [(), *[(each,) for each in SWITCHES], SWITCHES])
 @pytest.mark.parametrize("seed", range(8))
 def test_agrees_with_brute_force_on_sheets(asked, seed, monkeypatch):
@@ -127,7 +134,7 @@ def plain_optimum(instance):
     return min(cost + d[v, home] for (_, v), cost in layer.items())
 
 
-@pytest.mark.usefixtures("first_plan")
+@pytest.mark.usefixtures("way")
 @pytest.mark.parametrize("seed", range(3))
 def test_agrees_with_a_plain_programme(seed):
     part = large_part(seed, contours=9, entries=3)
@@ -163,13 +170,13 @@ def test_a_narrow_search_still_bounds(width):
     part = large_part(5, contours=9, entries=3)
     optimum = plain_optimum(part)
     (walks,) = walk_problems(part, Rules("travel"))
-    ascent = Ascent(walks, np.inf, np.inf, lambda bound: None)
-    ascent.round()
-    result = search(walks, ascent.found, width)
+    rounds = Ascent(walks, np.inf, np.inf, lambda bound: None)
+    rounds.round()
+    result = search(walks, rounds.found, width)
     assert not result.complete  # every layer but the first and the last has more rows
     assert min(result.bound, result.cost) <= optimum + 1e-9
     assert result.cost >= optimum - 1e-9
-    assert ascent.found.bound <= optimum + 1e-9
+    assert rounds.found.bound <= optimum + 1e-9
 
 
 def test_translation_mirror_and_order_change_nothing():
