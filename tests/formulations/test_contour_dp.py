@@ -79,6 +79,21 @@ def test_agrees_with_brute_force_on_sheets(asked, seed, monkeypatch):
     assert value is None or value >= free - 1e-9
 
 
+@pytest.mark.usefixtures("way")
+def test_what_positions_and_neighbouring_steps_alone_do_not_tell():
+    home = (Head("h", np.array([-100.0, 0.0, 0.0])),)
+    line = tuple(Contour(f"c{x}", np.array([[100.0 * x, 0.0, 0.0]]), 1.0) for x in range(5))
+    require_optimum(Instance("to and fro", line, home, precedence=((4, 0), (0, 3))), Rules("travel"))
+    # Two parts of opposite corners of a square and its middle: each step to the nearest leaves a part unfinished.
+    corners = ((0, 0, "1"), (100, 0, "2"), (100, 100, "1"), (0, 100, "2"), (50, 60, "1"), (50, 40, "2"))
+    tiles = tuple(Contour(f"t{i}", np.array([[x, y, 0.0]]), 1.0, part=p) for i, (x, y, p) in enumerate(corners))
+    one_go, free = (
+        require_optimum(Instance("square", tiles, home), Rules("travel", parts_in_one_go=each))
+        for each in (True, False)
+    )
+    assert one_go > free + 1.0
+
+
 def test_rules_change_the_optimum_of_some_sheets():
     """Both rules bind somewhere among such sheets as the tests above draw, so that they test something."""
     for switch in ("parts_in_one_go", "clear_rapids"):
