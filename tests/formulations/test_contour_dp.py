@@ -82,9 +82,9 @@ def test_agrees_with_brute_force_on_sheets(asked, seed, monkeypatch):
 @pytest.mark.usefixtures("way")
 def test_what_positions_and_neighbouring_steps_alone_do_not_tell():
     home = (Head("h", np.array([-100.0, 0.0, 0.0])),)
-    line = tuple(Contour(f"c{x}", np.array([[100.0 * x, 0.0, 0.0]]), 1.0) for x in range(5))
-    require_optimum(Instance("to and fro", line, home, precedence=((4, 0), (0, 3))), Rules("travel"))
-    # Two parts of opposite corners of a square and its middle: each step to the nearest leaves a part unfinished.
+    line = tuple(Contour(f"c{x}", np.array([[100.0 * x, 0.0, 0.0]]), 1.0) for x in range(6))
+    require_optimum(Instance("to and fro", line, home, precedence=((5, 0), (0, 4))), Rules("travel"))
+    # Parts of opposite corners of a square and of its middle: a step to the nearest leaves a part unfinished.
     corners = ((0, 0, "1"), (100, 0, "2"), (100, 100, "1"), (0, 100, "2"), (50, 60, "1"), (50, 40, "2"))
     tiles = tuple(Contour(f"t{i}", np.array([[x, y, 0.0]]), 1.0, part=p) for i, (x, y, p) in enumerate(corners))
     one_go, free = (
