@@ -1,0 +1,152 @@
+"""A model in cvxpy, put together from its families, and the same as one matrix."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cvxpy as cp
+import numpy as np
+from scipy.sparse import csr_array
+
+from cutgap.formulations.compact import clock, problem
+from cutgap.formulations.compact import rules as order_rules
+from cutgap.formulations.compact.family import Family, RowName
+from cutgap.formulations.compact.network import Network, networks_of
+from cutgap.formulations.compact.tours import POSITIONS, TOUR_FORMULATIONS
+from cutgap.formulations.compact.tours.order import position
+from cutgap.formulations.compact.variables import HeadVariables, head_variables
+from cutgap.instances import Instance, Rules
+from cutgap.instances.arrays import Floats
+
+REFERENCE = "HIGHS"
+"""The solver for which ``matrix_form`` writes a programme: it takes bounds of variables apart from rows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Programme:
+    """Variables, families and objective."""
+
+    heads: tuple[HeadVariables, ...]
+    families: tuple[Family, ...]
+    objective: cp.Expression
+
+    @property
+    def networks(self) -> tuple[Network, ...]:
+        """The legs of the heads."""
+        return tuple(head.network for head in self.heads)
+
+    def multipliers(self) -> dict[RowName, float]:
+        """Return the multipliers of all rows after a relaxation was solved."""
+        return {name: value for each in self.families for name, value in each.multipliers().items()}
+
+    def problem(self) -> cp.Problem:
+        """Return what cvxpy solves."""
+        definitions = [each for head in self.heads for each in head.definitions]
+        rows = [each.constraint for each in self.families]
+        return cp.Problem(cp.Minimize(self.objective), definitions + rows)
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixForm:
+    """``min costs x`` subject to ``matrix x >= right`` (or =), ``lower <= x <= upper``.
+
+    Attributes
+    ----------
+    names
+        One a row; rows that only define y are called ``("definition",)``.
+    """
+
+    names: tuple[RowName, ...]
+    matrix: csr_array
+    right: Floats
+    is_equation: np.ndarray
+    costs: Floats
+    lower: Floats
+    upper: Floats
+
+
+def assemble(instance: Instance, rules: Rules, formulation: str, *, integer: bool) -> Programme:
+    """Build the model of a problem with a tour formulation, or its relaxation."""
+    heads = tuple(head_variables(network, integer=integer) for network in networks_of(instance, rules))
+    families = [*problem.cut_once(heads), *problem.leave_once(instance, rules, heads)]
+    for head in heads:
+        families += problem.continuity(head)
+        families += TOUR_FORMULATIONS[formulation](head.way)
+    families += _limits(instance, rules, heads)
+    if instance.precedence or rules.clear_rapids:
+        families += _order(instance, rules, formulation, heads)
+    objective, rows = _objective(rules, heads)
+    return Programme(heads, (*families, *rows), objective)
+
+
+def _limits(instance: Instance, rules: Rules, heads: tuple[HeadVariables, ...]) -> Iterator[Family]:
+    """Rules on where and how long."""
+    if len(heads) == 2 and rules.balance is not None:
+        yield from problem.balance(rules.balance, heads, clock.latest_time(heads))
+    if len(heads) == 2 and rules.non_overlap is not None:
+        yield from problem.apart(instance, rules.non_overlap, heads)
+    for head in heads:
+        if rules.via_points:
+            yield from problem.via(instance, head)
+        if rules.parts_in_one_go:
+            yield from order_rules.one_go(instance, head.way)
+
+
+def _order(
+    instance: Instance, rules: Rules, formulation: str, heads: tuple[HeadVariables, ...]
+) -> Iterator[Family]:
+    """Rules on what is cut before what, and on two heads the times that they need."""
+    latest = clock.latest_time(heads)
+    start = cp.Variable(len(instance.contours), name="s", bounds=[0, latest])
+    for head in heads:
+        if formulation not in POSITIONS:
+            yield from position(head.way)
+        if instance.precedence:
+            yield from order_rules.precedence(instance, head.way)
+        if rules.clear_rapids:
+            yield from order_rules.clear(head)
+            if len(heads) == 2:
+                yield from clock.late_clear(instance, start, head, latest)
+    if len(heads) == 2:
+        yield from clock.clock(instance, start, heads, latest)
+        if instance.precedence:
+            yield from clock.late(instance, start, latest)
+
+
+def _objective(rules: Rules, heads: tuple[HeadVariables, ...]) -> tuple[cp.Expression, list[Family]]:
+    """Return what is minimised, in the rules' unit, and the families that it needs."""
+    if rules.objective == "makespan":
+        makespan = cp.Variable(name="makespan", nonneg=True)
+        return makespan, problem.makespan(makespan, heads)
+    cost = sum(head.cost for head in heads)
+    if rules.objective == "travel" or len(heads) == 1:
+        return cost, []
+    imbalance = cp.Variable(name="imbalance", nonneg=True)
+    return cost + rules.weight * imbalance, problem.imbalance(imbalance, heads)
+
+
+def matrix_form(programme: Programme) -> MatrixForm:
+    """Return a relaxation as a matrix, rows as docs/formulations.md signs them."""
+    data = programme.problem().get_problem_data(REFERENCE)[0]
+    equations = [each for each in programme.families if each.is_equation]
+    others = [each for each in programme.families if not each.is_equation]
+    count = sum(each.size for head in programme.heads for each in head.definitions)
+    names: list[RowName] = [("definition",)] * count
+    names += [name for each in (*equations, *others) for name in each.names]
+    # cvxpy writes A x = b for equations and A x <= b, in the order of the constraints.
+    first_inequality = count + sum(len(each.rows) for each in equations)
+    signs = np.where(np.arange(len(names)) < first_inequality, 1.0, -1.0)
+    columns = len(data["c"])
+    bounds = [data["lower_bounds"], data["upper_bounds"]]
+    lower, upper = (
+        np.full(columns, end) if given is None else np.asarray(given, dtype=np.float64)
+        for given, end in zip(bounds, (-np.inf, np.inf), strict=True)
+    )
+    return MatrixForm(
+        names=tuple(names),
+        matrix=csr_array(data["A"].multiply(signs[:, None])),
+        right=signs * data["b"],
+        is_equation=signs > 0,
+        costs=np.asarray(data["c"], dtype=np.float64),
+        lower=lower,
+        upper=upper,
+    )
