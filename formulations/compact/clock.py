@@ -12,7 +12,8 @@ M is a bound on all starts, M' = M + w_i.
 
 Both kinds of lateness hold within one head too, where p decides (``rules``). (late-clear) lets a contour be
 crossed at the very moment at which it is done, which ``check`` does not: the models are a relaxation by such
-ties. Big-M rows bound little; they are here to be exact.
+ties. With a margin on the right sides of both, plans are safe from ties and tolerances, but some are lost.
+Big-M rows bound little; they are here to be exact.
 """
 
 from collections.abc import Sequence
@@ -78,16 +79,21 @@ def _both_sides(
     ]
 
 
-def late(instance: Instance, start: cp.Variable, latest_s: float) -> list[Family]:
-    """The second contour of a pair begins when the first is done."""
+def late(instance: Instance, start: cp.Variable, latest_s: float, margin_s: float) -> list[Family]:
+    """The second contour of a pair begins when the first is done, or ``margin_s`` later."""
     pairs = sorted(set(instance.precedence))
     i, j = np.transpose(pairs)
-    least = instance.service_times[i] - TOLERANCE * max(1.0, latest_s)
+    least = instance.service_times[i] - TOLERANCE * max(1.0, latest_s) + margin_s
     return [family("late", (), pairs, start[j] - start[i] >= least)]
 
 
-def late_clear(instance: Instance, start: cp.Variable, head: HeadVariables, latest_s: float) -> list[Family]:
-    """What a rapid crosses is not done when the rapid begins."""
+def late_clear(
+    instance: Instance, start: cp.Variable, head: HeadVariables, latest_s: float, margin_s: float
+) -> list[Family]:
+    """What a rapid crosses is not done when the rapid begins, and not in the next ``margin_s``.
+
+    Without a margin plans with a tie pass, and plans that break the rule by a solver's tolerance.
+    """
     crossed = crossed_contours(head.network)
     if not crossed:
         return []
@@ -96,4 +102,4 @@ def late_clear(instance: Instance, start: cp.Variable, head: HeadVariables, late
     work = np.array(instance.service_times)
     slack = cp.multiply(latest_s + work[i], 1 - head.x[legs])
     left = start[k] + work[k] - start[i] - work[i] + slack
-    return [family("late-clear", (head.way.head,), names, left >= 0)]
+    return [family("late-clear", (head.way.head,), names, left >= margin_s)]

@@ -13,9 +13,13 @@ from cutgap.formulations.compact.family import Family, RowName
 from cutgap.formulations.compact.network import Network, networks_of
 from cutgap.formulations.compact.tours import POSITIONS, TOUR_FORMULATIONS
 from cutgap.formulations.compact.tours.order import position
+from cutgap.formulations.compact.tours.subtours import enter, names_of_set
 from cutgap.formulations.compact.variables import HeadVariables, head_variables
 from cutgap.instances import Instance, Rules
 from cutgap.instances.arrays import Floats
+
+Sets = frozenset[tuple[int, ...]]
+"""Sets of contours, ascending."""
 
 REFERENCE = "HIGHS"
 """The solver for which ``matrix_form`` writes a programme: it takes bounds of variables apart from rows."""
@@ -64,16 +68,28 @@ class MatrixForm:
     upper: Floats
 
 
-def assemble(instance: Instance, rules: Rules, formulation: str, *, integer: bool) -> Programme:
-    """Build the model of a problem with a tour formulation, or its relaxation."""
+def assemble(
+    instance: Instance,
+    rules: Rules,
+    formulation: str,
+    *,
+    integer: bool,
+    sets: Sets = frozenset(),
+    margin_s: float = 0.0,
+) -> Programme:
+    """Build the model of a problem with a tour formulation, or its relaxation.
+
+    ``sets`` are those that ``dfj-rounds`` has found, ``margin_s`` is what ``clock.late_clear`` says.
+    """
     heads = tuple(head_variables(network, integer=integer) for network in networks_of(instance, rules))
     families = [*problem.cut_once(heads), *problem.leave_once(instance, rules, heads)]
     for head in heads:
         families += problem.continuity(head)
         families += TOUR_FORMULATIONS[formulation](head.way)
+        families += enter(head.way, [name for each in sorted(sets) for name in names_of_set(head.way, each)])
     families += _limits(instance, rules, heads)
     if instance.precedence or rules.clear_rapids:
-        families += _order(instance, rules, formulation, heads)
+        families += _order(instance, rules, formulation, heads, margin_s)
     objective, rows = _objective(rules, heads)
     return Programme(heads, (*families, *rows), objective)
 
@@ -92,7 +108,7 @@ def _limits(instance: Instance, rules: Rules, heads: tuple[HeadVariables, ...]) 
 
 
 def _order(
-    instance: Instance, rules: Rules, formulation: str, heads: tuple[HeadVariables, ...]
+    instance: Instance, rules: Rules, formulation: str, heads: tuple[HeadVariables, ...], margin_s: float
 ) -> Iterator[Family]:
     """Rules on what is cut before what, and on two heads the times that they need."""
     latest = clock.latest_time(heads)
@@ -105,11 +121,11 @@ def _order(
         if rules.clear_rapids:
             yield from order_rules.clear(head)
             if len(heads) == 2:
-                yield from clock.late_clear(instance, start, head, latest)
+                yield from clock.late_clear(instance, start, head, latest, margin_s)
     if len(heads) == 2:
         yield from clock.clock(instance, start, heads, latest)
         if instance.precedence:
-            yield from clock.late(instance, start, latest)
+            yield from clock.late(instance, start, latest, margin_s)
 
 
 def _objective(rules: Rules, heads: tuple[HeadVariables, ...]) -> tuple[cp.Expression, list[Family]]:

@@ -38,7 +38,13 @@ MOST_CONTOURS: dict[str, int] = {
 }
 """Largest number of contours for each: n^2 variables a head, n^3 for two of them, and 2^n rows for ``dfj``."""
 
+ROUNDS = "dfj-rounds"
+"""The formulation whose rows are found as they are needed."""
+
+RELAXATIONS = ("assignment",)
+"""Formulations that leave cycles: they bound, and are not solved."""
+
 POSITIONS = ("mtz", "lifted-mtz")
 """Formulations whose families tie the positions p to the way, so that rules on order need no more."""
 
-__all__ = ["MOST_CONTOURS", "POSITIONS", "TOUR_FORMULATIONS", "Way"]
+__all__ = ["MOST_CONTOURS", "POSITIONS", "RELAXATIONS", "ROUNDS", "TOUR_FORMULATIONS", "Way"]
