@@ -17,14 +17,12 @@ Big-M rows bound little; they are here to be exact.
 """
 
 from collections.abc import Sequence
-from functools import reduce
-from operator import add
 
 import cvxpy as cp
 import numpy as np
 
 from cutgap.formulations.compact.family import Family, family
-from cutgap.formulations.compact.network import DEPOT, crossed_contours
+from cutgap.formulations.compact.network import DEPOT, crossed
 from cutgap.formulations.compact.variables import HeadVariables
 from cutgap.instances import Instance
 from cutgap.instances.check import TOLERANCE
@@ -48,8 +46,8 @@ def latest_time(heads: Heads) -> float:
 def clock(instance: Instance, start: cp.Variable, heads: Heads, latest_s: float) -> list[Family]:
     """A contour begins to be cut as soon as the head is there from the one before; M is ``latest_s``."""
     pairs = heads[0].way.pairs
-    taken = reduce(add, (_taken(instance, head) for head in heads))
-    goes = reduce(add, (head.way.y for head in heads))
+    taken = sum(_taken(instance, head) for head in heads)
+    goes = sum(head.way.y for head in heads)
     i, j = pairs.tails[pairs.inner], pairs.heads[pairs.inner]
     found = []
     if len(i):
@@ -94,11 +92,9 @@ def late_clear(
 
     Without a margin plans with a tie pass, and plans that break the rule by a solver's tolerance.
     """
-    crossed = crossed_contours(head.network)
-    if not crossed:
+    names, legs, k, i = crossed(head.network)
+    if not names:
         return []
-    legs, k, i = np.transpose(crossed)
-    names = zip(head.network.tails[legs].tolist(), head.network.heads[legs].tolist(), k.tolist(), strict=True)
     work = np.array(instance.service_times)
     slack = cp.multiply(latest_s + work[i], 1 - head.x[legs])
     left = start[k] + work[k] - start[i] - work[i] + slack

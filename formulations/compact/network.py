@@ -20,6 +20,7 @@ A head's legs are one vector x, rapids before closing legs. Shorthands are matri
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +28,7 @@ from scipy.sparse import csr_array
 
 from cutgap.instances import Instance, Plan, Rules, Visit
 from cutgap.instances.arrays import Floats, Ints
-from cutgap.instances.process import adjacent_parts, contours_in, crossings, part_of, rapid_costs
+from cutgap.instances.process import WORD, adjacent_parts, contours_in, crossings, part_of, rapid_costs
 
 DEPOT = -1
 """The home in lists of contours, or what is before the first and after the last."""
@@ -143,12 +144,8 @@ class Network:
 
     def legs_of(self, tour: tuple[Visit, ...]) -> Floats | None:
         """Return x of a tour, ``None`` when it takes a leg that there is none of."""
-        place = {
-            key: leg
-            for leg, key in enumerate(
-                zip(self.tails.tolist(), self.heads.tolist(), self.closing.tolist(), strict=True)
-            )
-        }
+        legs = zip(self.tails.tolist(), self.heads.tolist(), self.closing.tolist(), strict=True)
+        place = {key: leg for leg, key in enumerate(legs)}
         nodes = [self.instance.node(*visit) for visit in tour]
         home = self.instance.home_node(self.head)
         keys = [(*pair, False) for pair in pairwise(nodes)]
@@ -236,9 +233,8 @@ def _rapids(instance: Instance, rules: Rules) -> tuple[Ints, Ints]:
         part, adjacent = part_of(instance)[of], adjacent_parts(instance)
         allowed &= (part[:, None] == part) | adjacent[np.ix_(part, part)]
     if rules.clear_rapids:
-        word, bit = (of // 64)[:, None], (of % 64).astype(np.uint64)[:, None]
-        own = np.take_along_axis(crossings(instance), np.broadcast_to(word[:, :, None], (*allowed.shape, 1)), 2)
-        allowed &= (own[:, :, 0] >> bit) & np.uint64(1) == 0
+        words = crossings(instance)[np.arange(len(of)), :, of // WORD]
+        allowed &= words >> (of % WORD).astype(np.uint64)[:, None] & np.uint64(1) == 0
     tails, heads = np.nonzero(allowed)
     return tails.astype(np.int64), heads.astype(np.int64)
 
@@ -254,12 +250,32 @@ def _closing_legs(instance: Instance, rules: Rules) -> tuple[Ints, Ints]:
     return ends.astype(np.int64), starts.astype(np.int64)
 
 
-def crossed_contours(network: Network) -> list[tuple[int, int, int]]:
-    """Return (leg, its end's contours aside) what each rapid between contours crosses: (leg, k, C(u))."""
+class Crossed(NamedTuple):
+    """Rapids between contours and what they cross: one entry for each rapid (u, v) and each such contour k.
+
+    Attributes
+    ----------
+    names
+        (u, v, k).
+    legs, contours, tails
+        Shape (names,): the leg, k and C(u).
+    """
+
+    names: list[tuple[int, int, int]]
+    legs: Ints
+    contours: Ints
+    tails: Ints
+
+
+def crossed(network: Network) -> Crossed:
+    """Return what rapids cross, but for the contours at their ends: that of u by (2), and v's is cut later."""
     table, of = crossings(network.instance), network.contour_of
-    found = []
+    names, legs = [], []
     for leg, (u, v) in enumerate(zip(network.tails.tolist(), network.heads.tolist(), strict=True)):
-        if network.closing[leg] or of[u] == DEPOT or of[v] == DEPOT:
+        if network.closing[leg] or DEPOT in (of[u], of[v]):
             continue
-        found += [(leg, k, int(of[u])) for k in contours_in(table[u, v]) if k not in (of[u], of[v])]
-    return found
+        met = [k for k in contours_in(table[u, v]) if k not in (of[u], of[v])]
+        names += [(u, v, k) for k in met]
+        legs += [leg] * len(met)
+    u, _, k = np.transpose(np.array(names, dtype=np.int64).reshape(-1, 3))
+    return Crossed(names, np.array(legs, dtype=np.int64), k, of[u])

@@ -15,7 +15,7 @@ import cvxpy as cp
 import numpy as np
 
 from cutgap.formulations.compact.family import Family, family
-from cutgap.formulations.compact.network import DEPOT, crossed_contours
+from cutgap.formulations.compact.network import DEPOT, crossed
 from cutgap.formulations.compact.variables import HeadVariables, Way
 from cutgap.instances import Instance
 from cutgap.instances.process import part_of
@@ -44,14 +44,10 @@ def precedence(instance: Instance, way: Way) -> list[Family]:
 
 def clear(head: HeadVariables) -> list[Family]:
     """What a rapid crosses is cut after the contour that the rapid leaves."""
-    crossed = crossed_contours(head.network)
-    if not crossed:
+    way, (names, legs, k, i) = head.way, crossed(head.network)
+    if not names:
         return []
-    legs, k, i = np.transpose(crossed)
-    way, network = head.way, head.network
-    names = zip(network.tails[legs].tolist(), network.heads[legs].tolist(), k.tolist(), strict=True)
-    n = way.contours
-    later = way.position[k] - way.position[i] - n * (head.x[legs] - 1)
+    later = way.position[k] - way.position[i] - way.contours * (head.x[legs] - 1)
     return [family("clear", (way.head,), names, _when_cut(way, later, [way.z[k]]))]
 
 
@@ -59,5 +55,4 @@ def _when_cut(way: Way, later: cp.Expression, cut: list[cp.Expression]) -> cp.Co
     """Return ``later >= 1``, given up by n for each contour of ``cut`` that another head cuts."""
     if way.alone:
         return later >= 1
-    n = way.contours
-    return later + n * sum(1 - z for z in cut) >= 1
+    return later + way.contours * sum(1 - z for z in cut) >= 1
