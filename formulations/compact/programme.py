@@ -157,9 +157,11 @@ def matrix_form(programme: Programme) -> MatrixForm:
         np.full(columns, end) if given is None else np.asarray(given, dtype=np.float64)
         for given, end in zip(bounds, (-np.inf, np.inf), strict=True)
     )
+    matrix = csr_array(data["A"].multiply(signs[:, None]))
+    matrix.eliminate_zeros()
     return MatrixForm(
         names=tuple(names),
-        matrix=csr_array(data["A"].multiply(signs[:, None])),
+        matrix=matrix,
         right=signs * data["b"],
         is_equation=signs > 0,
         costs=np.asarray(data["c"], dtype=np.float64),
