@@ -1,6 +1,7 @@
 """Certificates: proofs of bounds that are checked in exact arithmetic, without a solver and without numpy."""
 
 from cutgap.formulations.certificate.checker import Verdict, verify
+from cutgap.formulations.certificate.compact import CompactRows, compact_value
 from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
 from cutgap.formulations.certificate.problem import Problem, instance_hash, problem_of
 from cutgap.formulations.certificate.proof import one_tree_value
@@ -18,6 +19,7 @@ from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
 
 __all__ = [
     "Bounds",
+    "CompactRows",
     "GeneralizedRelaxation",
     "Problem",
     "Refused",
@@ -27,6 +29,7 @@ __all__ = [
     "TourRelaxation",
     "TwoHeadsRelaxation",
     "Verdict",
+    "compact_value",
     "instance_hash",
     "leaf_value",
     "one_tree_value",

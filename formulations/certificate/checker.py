@@ -6,7 +6,8 @@
 The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
 head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with precedence and process rules),
-``split`` (two heads without overlap), ``two-heads`` (any two heads with homes).
+``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``compact`` (any problem, by
+multipliers of the rows of a compact model).
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from fractions import Fraction
 from math import floor
 from typing import Any
 
+from cutgap.formulations.certificate.compact import check_compact
 from cutgap.formulations.certificate.contour_dp import check_contours
 from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
 from cutgap.formulations.certificate.plan import plan_value
@@ -149,6 +151,8 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
         worth = (bound or 0) - (floor(work) if rules.objective == "makespan" else 0)
         check_contours(problem, rules, proof, worth, scale, budget)
+    elif proof.get("kind") == "compact":
+        check_compact(problem, rules, proof, (scale, multiplier_scale), bound, budget)
     else:
         raise Refused(f"proof: no kind {show(proof.get('kind'))}")
 
