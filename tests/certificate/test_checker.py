@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from certificate import (  # noqa: F401, they enter their checks
+    battery_compact,
     battery_contours,
     battery_generalized,
     battery_problem,

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from certificate import (  # noqa: F401, they enter their checks
+    battery_compact,
     battery_contours,
     battery_generalized,
     battery_problem,
@@ -18,10 +19,11 @@ from certificate import (  # noqa: F401, they enter their checks
 from certificate.battery import CHECKS
 from certificate.mutants import MUTANTS as PLAIN
 from certificate.mutants import Mutant
+from certificate.mutants_compact import COMPACT
 from certificate.mutants_generalized import GENERALIZED
 from cutgap.formulations import certificate
 
-MUTANTS = [*PLAIN, *GENERALIZED]
+MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED]
 SOURCE = Path(certificate.__file__).parent
 
 
@@ -51,9 +53,9 @@ def test_an_unchanged_copy_passes(tmp_path, monkeypatch):
 def copy_of_checker(folder: Path, package: str, mutant: Mutant | None) -> str:
     """Copy the checker under another name, with the error put in; return the name."""
     shutil.copytree(SOURCE, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
-    for path in (folder / package).glob("*.py"):
+    for path in (folder / package).rglob("*.py"):
         text = path.read_text().replace("cutgap.formulations.certificate", package)
-        if mutant is not None and path.name == mutant.file:
+        if mutant is not None and path.relative_to(folder / package).as_posix() == mutant.file:
             assert mutant.old in text, f"{mutant.old!r} is not in {mutant.file}"
             text = text.replace(mutant.old, mutant.new)
         path.write_text(text)

@@ -35,7 +35,7 @@ class CompactProgramme(CompactRows):
     """``min cost`` subject to the rows of a problem and of a tour formulation."""
 
     def __init__(self, instance: Instance, rules: Rules, formulation: str) -> None:
-        super().__init__(instance, rules, formulation)
+        super().__init__(instance, rules)
         for h in self.heads:
             getattr(self, "add_" + formulation.replace("-", "_"))(h)
 

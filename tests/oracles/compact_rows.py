@@ -48,7 +48,7 @@ def total(*sums: Sum) -> Sum:
 class CompactRows:
     """``rows[name] = (left, is_equation, right)``; all variables within ``ranges``, at ``cost``."""
 
-    def __init__(self, instance: Instance, rules: Rules, formulation: str) -> None:
+    def __init__(self, instance: Instance, rules: Rules) -> None:
         self.instance, self.rules, self.problem = instance, rules, plain_problem(instance)
         self.n, self.heads = len(instance.contours), range(len(instance.heads))
         self.alone = len(instance.heads) == 1
@@ -68,7 +68,7 @@ class CompactRows:
         for h in self.heads:
             self.add_legs(h)
         self.add_problem()
-        self.add_order(formulation)
+        self.add_order()
 
     # Variables
 
@@ -206,10 +206,10 @@ class CompactRows:
                 left = total(*(self.y(h, i, j) for i in mates for j in rest))
                 self.row(("one-go", h, part), times(-1, left), -1)
 
-    def add_order(self, formulation: str) -> None:
+    def add_order(self) -> None:
         n = self.n
         for h in self.heads:
-            if (self.instance.precedence or self.rules.clear_rapids) and formulation != "lifted-mtz":
+            if self.instance.precedence or self.rules.clear_rapids:
                 self.add_mtz(h)
             for i, j in self.instance.precedence:
                 later = total(self.p(h, j), times(-1, self.p(h, i)))

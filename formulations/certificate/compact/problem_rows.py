@@ -141,8 +141,8 @@ def clear(setting: Setting, h: int, u: int, v: int, k: int) -> CompactRow:
     n, i = setting.count, setting.contour_of[u]
     _require_different(setting, u, v)
     require(k not in (i, setting.contour_of[v]), f"clear: the rapid goes from or to contour {k}")
-    crossed = bool(setting.curves.crossed(u, v) >> k & 1)
-    require(crossed, f"clear: the rapid from node {u} to {v} does not cross contour {k}")
+    crossed = bool(setting.curves.crossed(u, v) >> k & 1) and not setting.is_barred(u, v)
+    require(crossed, f"clear: no rapid from node {u} to {v} crosses contour {k}")
     terms: Terms = [*difference(h, i, k), (-n, ("x", h, u, v))]
     if setting.alone:
         return CompactRow(False, 1 - n, terms)

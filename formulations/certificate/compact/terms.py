@@ -89,15 +89,15 @@ class Setting:
 
     @cached_property
     def turns(self) -> bool:
-        """Whether only tours that begin with contour 0, and end with another one, need to be looked at.
+        """Whether, without a home, only tours from contour 0 to another one need to be looked at.
 
-        A closed tour of a single head may begin anywhere when no rule says what comes first; then it keeps its
-        value and all rules when it is turned.
+        The closed tour of a single head may begin anywhere when no rule says what comes first: when it is
+        turned, it keeps its value and all rules.
         """
         rules = self.rules
         ordered = rules.via_points or rules.parts_in_one_go or rules.neighbours_only or rules.clear_rapids
         free = not ordered and rules.backward_price == 0 and not self.problem.precedence
-        return self.alone and self.problem.homes[0] is None and self.count >= 2 and free
+        return self.alone and self.count >= 2 and free
 
     def is_barred(self, u: int, v: int) -> bool:
         """Whether no head may go from u to v, entry points of different contours.

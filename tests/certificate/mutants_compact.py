@@ -1,0 +1,195 @@
+"""Small errors in the checker's rows of compact models, and in what their multipliers are worth."""
+
+from certificate.mutants import Mutant, mutants
+
+HOLD = "rows_of_compact_models_hold_and_are_tight"
+PAGE = "compact_models_have_the_rows_of_the_page"
+WORTH = "compact_multipliers_are_worth_what_the_page_says"
+PROVED = "compact_relaxations_are_proved_and_no_more"
+FORGED = "compact_forgeries_are_refused"
+BUDGET = "compact_proofs_have_a_budget"
+BALANCE = "balance_rows_leave_room_for_floors"
+
+PROBLEM, TOURS, TERMS, ROWS, VALUE = (
+    f"compact/{name}.py" for name in ("problem_rows", "tour_rows", "terms", "rows", "value")
+)
+
+COMPACT = [
+    # problem_rows.py
+    *mutants(
+        PROBLEM,
+        HOLD,
+        ('CompactRow(True, 1, [(1, ("z"', 'CompactRow(True, 2, [(1, ("z"'),
+        ('(-1, ("out", h, u))', '(1, ("out", h, u))'),
+        ("sign = -1 if rests else 1", "sign = 1"),
+        ("CompactRow(not rests,", "CompactRow(True,"),
+        ('(-1, ("T", h))])', '(-2, ("T", h))])'),
+        ("difference(h, i, j))", "difference(h, j, i))"),
+        ("1 - 2 * n, [*difference(h, i, j)", "1 - n, [*difference(h, i, j)"),
+        ("1 - n, terms", "2 - n, terms"),
+        ("1 - 2 * n, [*terms", "2 - 2 * n, [*terms"),
+    ),
+    *mutants(
+        PROBLEM,
+        PAGE,
+        ("gap < (setting", "gap <= (setting"),
+        ("xs[v] < setting.problem.xs[u]", "xs[v] <= setting.problem.xs[u]"),
+        ("parts.count(part) >= 2", "parts.count(part) >= 1"),
+        ("(i, j) in setting.problem.precedence", "i != j"),
+        ("k not in (i, setting.contour_of[v])", "k != i"),
+        ("crossed(u, v) >> k & 1)", "crossed(u, v) >> k)"),
+        (" and not setting.is_barred(u, v)", ""),
+        ("require(h != other,", "require(True,"),
+        ("    require(different, f", "    require(True, f"),
+        ("if setting.problem.precedence:", "if setting.problem.precedence and setting.alone:"),
+    ),
+    *mutants(
+        PROBLEM,
+        WORTH,
+        ('[(-1, ("T", h)), (1, ("T", other))]', '[(-1, ("T", h)), (2, ("T", other))]'),
+        ("*difference(h, i, k), (-n", "*difference(h, i, k), (-1 - n"),
+        ('[(-1, ("q", 0, u)), (-1, ("q", 1, v))]', '[(-1, ("q", 1, u)), (-1, ("q", 0, v))]'),
+        ('(-1, ("first", h, u)), (-1', '(-1, ("q", h, u)), (-1'),
+        ("[DEPOT, *(j for j, each in enumerate(parts)", "[*(j for j, each in enumerate(parts)"),
+        ("if each != part)]", "if each >= part)]"),
+        ('(-n, ("z", h, i)), (-n, ("z", h, j))', '(-n, ("z", h, i)), (-n, ("z", h, i))'),
+        ('(-n, ("z", h, k))', '(-n, ("z", h, i))'),
+    ),
+    *mutants(
+        PROBLEM,
+        BALANCE,
+        ("-floor(limit) - slack(setting)", "-floor(limit) + slack(setting)"),
+        ("setting.scale * setting.problem.v_jump", "setting.scale"),
+    ),
+    Mutant(PROBLEM, "if rules.balance is not None and not alone", "if rules.balance is not None", FORGED),
+    # tour_rows.py
+    *mutants(
+        TOURS,
+        HOLD,
+        (
+            "return CompactRow(False, 1 - n, [*difference(h, i, j)",
+            "return CompactRow(False, 2 - n, [*difference(h, i, j)",
+        ),
+        ('(2 - setting.count, ("y", h, j, i))', '(1 - setting.count, ("y", h, j, i))'),
+        ("CompactRow(False, 2, terms)", "CompactRow(False, 3, terms)"),
+        ('(2 - setting.count, ("y", h, i, DEPOT))', '(1 - setting.count, ("y", h, i, DEPOT))'),
+        ('(2 - n, ("y", h, DEPOT, i))', '(1 - n, ("y", h, DEPOT, i))'),
+        ("most = setting.count if i == DEPOT else setting.count - 1", "most = setting.count - 1"),
+        ('_grows(setting, "f", h, j, -1)', '_grows(setting, "f", h, j, 1)'),
+        ('_grows(setting, "g", h, j, 1)', '_grows(setting, "g", h, j, -1)'),
+        ('(-setting.count, ("y", h, i, j))', '(1 - setting.count, ("y", h, i, j))'),
+        ("before = [DEPOT] if t == 1 else", "before = [DEPOT] if t == 2 else"),
+        ("not setting.alone:\n        after", "setting.alone:\n        after"),
+        ("range(n if setting.alone else 1, n + 1)", "range(n, n + 1)"),
+        ("times = range(1, n)", "times = range(1, n - 1)"),
+        ("outside = [DEPOT, *(i for", "outside = [*(i for"),
+        ("CompactRow(False, 1, entering)", "CompactRow(False, 2, entering)"),
+        ('(-1, ("z", h, k))])\n\n\ndef through', '(1, ("z", h, k))])\n\n\ndef through'),
+    ),
+    *mutants(
+        TOURS,
+        WORTH,
+        ("most = setting.count if i == DEPOT else setting.count - 1", "most = setting.count"),
+        ('(j if kind == "f" else i) == DEPOT', "False"),
+        ("return setting.alone and (j", "return (j"),
+        ('*((-1, ("unit", h, k, j, i)) for i in contours)', '*((-1, ("unit", h, k, j, i)) for i in [])'),
+    ),
+    *mutants(
+        TOURS,
+        PAGE,
+        ("setting.rules.clear_rapids:", "False:"),
+        ("and setting.count >= 2", "and True"),
+        ("require(k in inside", "require(True"),
+        ("    require(i != j, f", "    require(True, f"),
+    ),
+    # terms.py
+    *mutants(
+        TERMS,
+        WORTH,
+        ("return self.alone and self.count", "return self.count"),
+        ("self.count >= 2 and free", "free"),
+        ("ordered = rules.via_points or", "ordered ="),
+        ("or rules.parts_in_one_go or", "or"),
+        ("not ordered and rules.backward_price == 0 and", "not ordered and"),
+        (" and not self.problem.precedence", ""),
+        ("if self.rules.neighbours_only and", "if self.rules.clear_rapids and"),
+        ("crossed(u, v) >> i & 1", "crossed(u, v) >> self.contour_of[v] & 1"),
+        ("self.rules.clear_rapids and bool", "bool"),
+    ),
+    # rows.py
+    *mutants(
+        ROWS,
+        FORGED,
+        ("type(argument) is int and argument in", "argument in"),
+        ("type(i) is int and 0 <= i <", "0 <= i <"),
+        ("0 <= i < self", "i < self"),
+        ("i < self.setting.count for", "i <= self.setting.count for"),
+        ("len(members) >= 2", "len(members) >= 1"),
+        ("members == sorted(set(members))", "len(members) == len(set(members))"),
+        ("members == sorted(set(members))", "members == sorted(members)"),
+        ("len(arguments) == len(expected)", "len(arguments) >= len(expected)"),
+        ("range(1, self.setting.count + 1)", "range(self.setting.count + 1)"),
+        ("range(1, self.setting.count + 1)", "range(1, self.setting.count + 2)"),
+        ("range(DEPOT, self", "range(DEPOT - 1, self"),
+    ),
+    Mutant(ROWS, "budget.spend(4 * len(row.terms) + 10)", "budget.spend(0)", BUDGET),
+    Mutant(ROWS, 'if "imbalance" in self.families else', "if False else", WORTH),
+    # value.py
+    *mutants(
+        VALUE,
+        FORGED,
+        ("require(bound is not None", "require(True"),
+        (">= 0 or row.equality", ">= 0 or True"),
+        ('require(sums["imbalance",] <= most', "require(True"),
+        ('sums["makespan",] <= multiplier_scale', 'sums["makespan",] <= multiplier_scale + 1'),
+        ('fields(proof, "proof", "kind formulation multipliers")', "proof"),
+    ),
+    *mutants(
+        VALUE,
+        WORTH,
+        ("value += multiplier * row.rhs", "value -= multiplier * row.rhs"),
+        ("sums[term] += multiplier * coefficient", "sums[term] = multiplier * coefficient"),
+        ('"p": (1, count)', '"p": (0, count)'),
+        ('"p": (1, count)', '"p": (1, count - 1)'),
+        ('"f": (0, count)', '"f": (0, 1)'),
+        ('"g": (0, count)', '"g": (0, count - 1)'),
+        ('"unit": (0, 1)', '"unit": (0, 0)'),
+        ('"w": (0, 1)', '"w": (0, count)'),
+        ("value -= max(", "value -= min("),
+        ('0 if rules.objective == "makespan" else multiplier_scale * factor', "multiplier_scale * factor"),
+        (
+            'if rules.objective == "makespan" else multiplier_scale * factor',
+            'if rules.objective == "makespan" else multiplier_scale',
+        ),
+        ("if price else lengths", "if False else lengths"),
+        ("self.time * (problem.work", "(problem.work"),
+        ('sums["q", head, u] + cut[i]', "cut[i]"),
+        ('sums["first", head, u] + sums', "sums"),
+        ("- self.leaves[u] - self.ends[u])", "- self.leaves[u])"),
+        ("- self.leaves[u] - self.ends[u])", "- self.ends[u])"),
+        ("0) + leaves for j", "0) for j"),
+        ('("y", self.head, i, j)', '("y", self.head, j, i)'),
+        ("price * cost - time * length", "price * cost"),
+        ("reduced[v] -= number", "reduced[v] += number"),
+        ("r < 0 and of[v] != i and", "r < 0 and"),
+        (" and not self.setting.is_barred(u, v)", ""),
+        ("each * length - enters - begins)", "each * length - enters)"),
+        ("each * length - enters - begins - ends)", "each * length - enters - ends)"),
+        ("self.leaves[u] + self.ends[u]\n", "self.ends[u]\n"),
+        ("of[v] == 0 != of[u]", "of[v] == 0"),
+        ("return u == v or of[u] != of[v]", "return of[u] != of[v]"),
+        ("return u == v or of[u] != of[v]", "return True"),
+        (
+            "problem.lengths(way.home, nodes, setting.scale), price",
+            "problem.lengths(0, nodes, setting.scale), price",
+        ),
+    ),
+    Mutant(VALUE, "require(worth >= (bound or 0)", "require(worth >= (bound or 0) - 1", PROVED),
+    Mutant(VALUE, "setting.budget.spend(10 * len(ways)", "setting.budget.spend(0 * len(ways)", BUDGET),
+    Mutant(
+        "checker.py",
+        "proof, (scale, multiplier_scale), bound, budget)\n    else",
+        "proof, (scale, 2 * multiplier_scale), bound, budget)\n    else",
+        PROVED,
+    ),
+]
