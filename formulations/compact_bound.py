@@ -87,7 +87,7 @@ def _integers(rows: CompactRows, multipliers: Mapping[RowName, float]) -> list[l
     """Return pairs of a row, as in a certificate, and its integer; those that are 0 are left out."""
     problem, rules = rows.setting.problem, rows.setting.rules
     makespan = rules.objective == "makespan"
-    times = MULTIPLIER_SCALE * rows.price.denominator / (Fraction(1) if makespan else problem.v_jump)
+    times = MULTIPLIER_SCALE * rows.imbalance_price.denominator / (Fraction(1) if makespan else problem.v_jump)
     others = times * SCALE * problem.v_jump
     given = {name: Fraction(value) for name, value in multipliers.items()}
     priced = sum((value for name, value in given.items() if name[0] in PRICED and value > 0), Fraction(0))

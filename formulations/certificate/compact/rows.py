@@ -17,7 +17,7 @@ class CompactRows:
 
     Attributes
     ----------
-    price
+    imbalance_price
         weight / v_jump where the imbalance is a variable, else 0.
     """
 
@@ -26,7 +26,7 @@ class CompactRows:
         self.formulation = formulation
         self.setting = Setting(problem, rules, scale, budget)
         self.families = {**problem_families(self.setting), **tour_families(self.setting, formulation)}
-        self.price = rules.weight / problem.v_jump if "imbalance" in self.families else Fraction(0)
+        self.imbalance_price = rules.weight / problem.v_jump if "imbalance" in self.families else Fraction(0)
         self.ranges = {
             "head": self.setting.heads,
             "contour": range(self.setting.count),

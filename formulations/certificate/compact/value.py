@@ -71,7 +71,7 @@ def compact_value(
     """
     rows = CompactRows(problem, rules, formulation, scale, budget or Budget())
     value, sums = _added_up(rows, multipliers)
-    factor, most = rows.price.denominator, multiplier_scale * rows.price.numerator
+    factor, most = rows.imbalance_price.denominator, multiplier_scale * rows.imbalance_price.numerator
     require(sums["imbalance",] <= most, "the multipliers of imbalance rows add up to more than the weight")
     require(sums["makespan",] <= multiplier_scale, "the multipliers of makespan rows add up to more than 1")
     value += _auxiliary_value(sums, len(problem.ids))
