@@ -62,6 +62,11 @@ class LinearProgram:
         self.upper: Floats = np.empty(0)
         self.row_count = 0
 
+    @property
+    def nonzeros(self) -> int:
+        """Number of coefficients."""
+        return int(self._highs.getNumNz())
+
     def add_columns(
         self,
         costs: Floats,

@@ -22,11 +22,12 @@ is odd, so it is at least k + 1. Blossoms are combs whose teeth are single edges
 """
 
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from cutgap.formulations.certificate.cosines import UNIT, Coefficients, cosine, vector
 from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.reading import Refused, entries, require, show
 
@@ -40,7 +41,7 @@ class Row:
     equality: bool
     rhs: int
     nodes: tuple[tuple[int, int], ...] = ()
-    corrections: tuple[tuple[int, Sequence[int]], ...] = ()
+    corrections: Iterable[tuple[int, Sequence[int]]] = ()
 
     @property
     def size(self) -> int:
@@ -136,9 +137,15 @@ class TourRelaxation(Relaxation):
         min  sum l_uv x_uv   over x in {0, 1}
         degree  (4) x(delta(v)) = 2                 each v
         cut     (2), (3)
+        connectivity  (6) sum (f_u - f_v)^2 x_uv >= beta (|f|^2 - (sum f)^2 / n)     each integers f
         via     (5) sum over leftmost v of x_0v >= 1     the first contour is a leftmost one; needs a home
 
-    Source: Dantzig, Fulkerson, Johnson (1954); Edmonds (1965) and Chvatal (1973) for (3).
+    (6), beta = 2 - 2 cos(2 pi / n): the left side is f' L f for the cycle's Laplacian matrix L, whose least
+    eigenvalue is 0, with the constant vectors, and whose next one is beta; so f may be replaced by what it
+    differs from its mean, the square of which is the bracket. It is whole, so the right side is rounded up.
+
+    Source: Dantzig, Fulkerson, Johnson (1954); Edmonds (1965) and Chvatal (1973) for (3); Cvetkovic,
+    Cangalovic, Kovacevic-Vujcic (1999) for (6).
     """
 
     def __init__(
@@ -173,9 +180,24 @@ class TourRelaxation(Relaxation):
                 # A set and its complement have one cut.
                 short = [s if 2 * len(s) <= self.count else self._complement(s) for s in members]
                 return Row(False, rhs, *cuts(short, lambda v: v, self.edge))
+            case ["connectivity", list(numbers)]:
+                return self._connectivity(vector(numbers, self.count))
             case ["via"] if self.leftmost:
                 return Row(False, 1, (), ((1, [self.edge(0, v) for v in self.leftmost]),))
         raise Refused(f"no row {show(name)}")
+
+    def _connectivity(self, f: list[int]) -> Row:
+        squares = [each * each for each in f]
+        # n |f|^2 - (sum f)^2 is at least 0, so a beta from below makes the right side smaller.
+        spread = self.count * sum(squares) - sum(f) ** 2
+        beta = 2 * (UNIT - cosine(1, self.count)[1])
+
+        def products() -> Iterator[tuple[int, Sequence[int]]]:
+            for edge, (u, v) in enumerate(zip(self.tails, self.heads, strict=True)):
+                yield -2 * f[u] * f[v], (edge,)
+
+        least = -(-beta * spread // (self.count * UNIT))
+        return Row(False, least, tuple(enumerate(squares)), Coefficients(products))
 
     def _complement(self, members: list[int]) -> list[int]:
         inside = set(members)

@@ -1,8 +1,9 @@
 r"""Proved tour lengths: L_a(C) >= length for one head a and one set C of contours, and the sets this holds for.
 
     nodes   the head's home (if any), then the contours as listed
-    proof   rows and nodes (``proof``, relaxation ``TourRelaxation``), or one_tree, or nothing up to 3 nodes,
-            whose only tour is summed up
+    proof   rows and nodes (``proof``) of the relaxation that "model" names, edges (``TourRelaxation``) or
+            distances (``DistancesRelaxation``), or one_tree, or nothing up to 3 nodes, whose only tour is
+            summed up
 
 A proof *uses via points* if the rules ask for them, the head has a home (a closed tour can start anywhere), the
 contours of C differ in x (else each is a leftmost one) and it does not set "via" to false. One that does not
@@ -18,9 +19,10 @@ use them holds with and without via points.
 from dataclasses import dataclass
 from typing import Any
 
+from cutgap.formulations.certificate.distances import DistancesRelaxation
 from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.proof import Budget, check_tree, one_tree_value
-from cutgap.formulations.certificate.reading import entries, fields, flag, integer, require, show
+from cutgap.formulations.certificate.reading import Refused, entries, fields, flag, integer, require, show
 from cutgap.formulations.certificate.relaxation import TourRelaxation
 from cutgap.formulations.certificate.rules import Rules
 
@@ -47,14 +49,24 @@ def leftmost(problem: Problem, contours: list[int]) -> list[int]:
 
 
 def tour_relaxation(
-    problem: Problem, head: int, contours: list[int], via: bool, scale: int, multiplier_scale: int
-) -> TourRelaxation:
+    problem: Problem,
+    head: int,
+    contours: list[int],
+    via: bool,
+    scale: int,
+    multiplier_scale: int,
+    model: Any = "edges",
+) -> TourRelaxation | DistancesRelaxation:
     """Return the relaxation of a head's tours of contours; ``via`` if the first one is a leftmost one."""
-    nodes, firsts = _nodes(problem, head, contours, via)
-    return TourRelaxation(problem, nodes, firsts, scale, multiplier_scale)
+    nodes, firsts = tour_nodes(problem, head, contours, via)
+    if model == "edges":
+        return TourRelaxation(problem, nodes, firsts, scale, multiplier_scale)
+    if model == "distances":
+        return DistancesRelaxation(problem, nodes, firsts, scale, multiplier_scale)
+    raise Refused(f"model: no {show(model)}")
 
 
-def _nodes(problem: Problem, head: int, contours: list[int], via: bool) -> tuple[list[int], list[int]]:
+def tour_nodes(problem: Problem, head: int, contours: list[int], via: bool) -> tuple[list[int], list[int]]:
     """Return the nodes of a tour, and which of them may come first if that is asked."""
     home = problem.homes[head]
     nodes = contours if home is None else [home, *contours]
@@ -67,7 +79,7 @@ def prove_tour(
     problem: Problem, rules: Rules, value: Any, scale: int, multiplier_scale: int, budget: Budget
 ) -> ProvedTour:
     """Check the proof of one tour length."""
-    table = fields(value, "tour", "head contours length", "via rows nodes one_tree")
+    table = fields(value, "tour", "head contours length", "via rows nodes one_tree model")
     head, length = integer(table["head"], "head", least=0), integer(table["length"], "length")
     require(head < len(problem.homes), f"head {show(head)}: there is none")
     numbers = {name: number for number, name in enumerate(problem.ids)}
@@ -79,13 +91,15 @@ def prove_tour(
     asked = rules.via_points and problem.homes[head] is not None
     via = flag(table.get("via", asked), "via")
     require(asked or not via, "via: the rules ask for no via points here")
-    nodes, firsts = _nodes(problem, head, contours, via)
+    nodes, firsts = tour_nodes(problem, head, contours, via)
     target = multiplier_scale * length
+    require("model" not in table or "rows" in table, "model: goes with rows and nodes")
     if "one_tree" in table:
         _one_tree(problem, table, nodes, firsts, scale, multiplier_scale, budget)
     elif "rows" in table or "nodes" in table:
         budget.spend(10 * len(nodes) ** 2)
-        relaxation = TourRelaxation(problem, nodes, firsts, scale, multiplier_scale)
+        model = table.get("model", "edges")
+        relaxation = tour_relaxation(problem, head, contours, via, scale, multiplier_scale, model)
         check_tree(relaxation, table.get("rows"), table.get("nodes"), target, budget)
     else:
         require(len(nodes) <= 3, f"a tour of {len(nodes)} nodes needs rows and nodes, or one_tree")
