@@ -1,5 +1,6 @@
 """Certificates: proofs of bounds that are checked in exact arithmetic, without a solver and without numpy."""
 
+from cutgap.formulations.certificate.bisection import SpreadVerdict, verify_bisection
 from cutgap.formulations.certificate.checker import Verdict, verify
 from cutgap.formulations.certificate.compact import CompactRows, compact_value
 from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
@@ -26,6 +27,7 @@ __all__ = [
     "Relaxation",
     "Row",
     "Rules",
+    "SpreadVerdict",
     "TourRelaxation",
     "TwoHeadsRelaxation",
     "Verdict",
@@ -37,4 +39,5 @@ __all__ = [
     "rules_of",
     "tour_relaxation",
     "verify",
+    "verify_bisection",
 ]

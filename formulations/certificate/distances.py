@@ -36,9 +36,7 @@ class DistancesRelaxation(Relaxation):
         super().__init__(1, multiplier_scale)
         self.count, self.leftmost, self.most = len(nodes), leftmost, len(nodes) // 2
         require(self.count >= 4, "up to 3 nodes need no rows: leave the proof out")
-        require(
-            self.count <= MAX_NODES, f"{self.count} nodes are too many for distances, the most is {MAX_NODES}"
-        )
+        require(self.count <= MAX_NODES, f"distances: {self.count} nodes, the most is {MAX_NODES}")
         self.pairs = list(combinations(range(self.count), 2))
         self.place = {pair: number for number, pair in enumerate(self.pairs)}
         for steps in range(1, self.most + 1):

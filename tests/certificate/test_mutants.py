@@ -11,6 +11,7 @@ from certificate import (  # noqa: F401, they enter their checks
     battery_compact,
     battery_contours,
     battery_generalized,
+    battery_positive,
     battery_problem,
     battery_rows,
     battery_split,
@@ -21,9 +22,10 @@ from certificate.mutants import MUTANTS as PLAIN
 from certificate.mutants import Mutant
 from certificate.mutants_compact import COMPACT
 from certificate.mutants_generalized import GENERALIZED
+from certificate.mutants_positive import POSITIVE
 from cutgap.formulations import certificate
 
-MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED]
+MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED, *POSITIVE]
 SOURCE = Path(certificate.__file__).parent
 
 
