@@ -5,12 +5,21 @@ import json
 import subprocess
 import sys
 import time
+from fractions import Fraction
 
 import pytest
 
+from certificate.battery_positive import bisection_of, spreads, tour_bound
 from certificate.producer import MULTIPLIER_SCALE
 from certificate.samples import SCALE, document_of, instance_of, sample
-from cutgap.formulations.certificate import Refused, problem_of, reading, tour_relaxation, verify
+from cutgap.formulations.certificate import (
+    Refused,
+    problem_of,
+    reading,
+    tour_relaxation,
+    verify,
+    verify_bisection,
+)
 from cutgap.formulations.certificate.__main__ import main
 from cutgap.formulations.certificate.proof import Budget, build_rows, check_tree
 
@@ -177,3 +186,32 @@ def test_command_line_as_a_module(files):
     command = [sys.executable, "-m", "cutgap.formulations.certificate", *files]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "travel at least" in done.stdout
+
+
+@pytest.mark.parametrize("value", [None, [], {}, "", -1, 10**40, 0.5, True])
+@pytest.mark.parametrize("name", ["connectivity", "distances", "bisection"])
+def test_nonsense_among_vectors_is_verified_or_refused(name, value):
+    if name == "bisection":
+        (certificate, document), check = bisection_of(1, 6, 2.0), verify_bisection
+        most = min(spreads(document, Fraction(2)))
+    else:
+        (certificate, document, most), check = tour_bound(name), verify
+    refused = 0
+    for path, odd in replaced(certificate, value):
+        made = copy.deepcopy(certificate)
+        place = made
+        for step in path[:-1]:
+            place = place[step]
+        if path:
+            place[path[-1]] = odd
+        else:
+            made = odd
+        try:
+            verdict = check(made, document)
+        except Refused:
+            refused += 1
+            continue
+        # Other limits and rules are another problem.
+        if path[0] not in ("rules", "limit"):
+            assert verdict.bound <= most * (1 + 1e-12)
+    assert refused
