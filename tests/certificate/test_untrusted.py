@@ -188,7 +188,7 @@ def test_command_line_as_a_module(files):
     assert "travel at least" in done.stdout
 
 
-@pytest.mark.parametrize("value", [None, [], {}, "", -1, 10**40, 0.5, True])
+@pytest.mark.parametrize("value", [None, [], -1, 10**40, 0.5])
 @pytest.mark.parametrize("name", ["connectivity", "distances", "bisection"])
 def test_nonsense_among_vectors_is_verified_or_refused(name, value):
     if name == "bisection":
