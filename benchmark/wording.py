@@ -20,5 +20,7 @@ def describe(rules: Rules, heads: int = 2) -> str:
         parts.append("leftmost contour first")
     if rules.empty_heads:
         parts.append("a head may stay without work")
+    if rules.free_entries:
+        parts.append("entered anywhere in their regions")
     parts += [name for name in rules.process if name != "backward price"]
     return ", ".join(parts)

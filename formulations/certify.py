@@ -54,7 +54,8 @@ def certificate_of(
     document = format_instance(instance)
     visits = None
     if plan is not None:
-        visits = [[[instance.contours[c].id, e] for c, e in tour] for tour in plan.tours]
+        ids = [contour.id for contour in instance.contours]
+        visits = [[[ids[c], e] if p is None else [ids[c], e, [*p]] for c, e, p in tour] for tour in plan.tours]
     for margin in MARGINS_MM:
         bound, proof = claim(margin)
         certificate = {

@@ -35,6 +35,10 @@ METHODS: dict[str, Callable[..., Result]] = {
 """Exact methods by name; ``auto`` takes CP-SAT, whose bounds are claims, only where no other one applies."""
 
 
+FREE_ENTRIES = ("regions",)
+"""Methods for contours that may be entered anywhere in their regions."""
+
+
 class Choice(NamedTuple):
     """An exact method by name, and why it suits."""
 
@@ -89,11 +93,15 @@ def choose(instance: Instance, rules: Rules) -> Choice:
 
 def resolve(method: str, instance: Instance, rules: Rules) -> str:
     """Return the name of an exact method; ``auto`` takes the one of ``choose``."""
-    if method == "auto":
-        return choose(instance, rules).method
-    if method not in METHODS:
+    if method != "auto" and method not in METHODS:
         raise ValueError(f"method: expected auto or one of {', '.join(METHODS)}, got {method!r}")
-    return method
+    name = choose(instance, rules).method if method == "auto" else method
+    if rules.free_entries and name not in FREE_ENTRIES:
+        raise ValueError(
+            f"method {name}: its bound holds for given entry points, not for free entries; "
+            f"take {' or '.join(FREE_ENTRIES)}"
+        )
+    return name
 
 
 def solve(

@@ -122,7 +122,7 @@ def _first_nodes(instance: Instance) -> Ints:
 
 def _nodes(instance: Instance, plan: Plan) -> Ints:
     home = instance.home_node(0)
-    nodes = [instance.node(*visit) for visit in plan.tours[0]]
+    nodes = [instance.node(*visit[:2]) for visit in plan.tours[0]]
     return np.array(nodes if home is None else [home, *nodes], dtype=np.int64)
 
 

@@ -24,9 +24,9 @@ def balanced(instance: Instance, rules: Rules, plan: Plan) -> Plan:
     least = (evaluation.imbalance_s - rules.balance) * speed + 1e-9 * evaluation.total_travel_mm
     most = (evaluation.imbalance_s + rules.balance) * speed
     faster = int(np.argmin(evaluation.time_s))
-    order = [contour for contour, _ in plan.tours[faster]]
+    order = [visit.contour for visit in plan.tours[faster]]
     longer = _with_detour(instance, faster, order, (least, most), keep_first=rules.via_points)
-    orders = [[contour for contour, _ in tour] for tour in plan.tours]
+    orders = [[visit.contour for visit in tour] for tour in plan.tours]
     if longer is not None:
         orders[faster] = longer
     return Plan.of_contours(orders)

@@ -3,6 +3,7 @@
 from collections import Counter
 
 from cutgap.instances.evaluate import Evaluation, evaluate
+from cutgap.instances.free_entries import entries_in_regions, pinned
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
 from cutgap.instances.process import require_geometry
@@ -25,6 +26,8 @@ def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
     """
     require_coordinates(instance, rules)
     evaluation = evaluate(instance, plan)
+    entries = entries_in_regions(instance, rules, plan)
+    instance, plan = pinned(instance, plan)
     return [
         *each_contour_once(instance, plan),
         *non_overlap(rules, evaluation),
@@ -32,6 +35,7 @@ def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
         *via_points(instance, rules, plan),
         *no_empty_heads(instance, rules, plan),
         *precedence(instance, plan),
+        *entries,
         *process_violations(instance, rules, plan),
     ]
 
@@ -42,6 +46,8 @@ def require_coordinates(instance: Instance, rules: Rules) -> None:
         require_geometry(instance, "neighbours only")
     if rules.clear_rapids:
         require_geometry(instance, "clear rapids")
+    if rules.free_entries and instance.matrix is not None:
+        raise ValueError(f"instance {instance.name!r} has a matrix, which holds no lengths to free entries")
     if instance.located:
         return
     if rules.backward_price > 0:
@@ -94,7 +100,7 @@ def via_points(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
         return []
     broken = []
     for head, tour in zip(instance.heads, plan.tours, strict=True):
-        xs = [float(instance.points[instance.node(*visit), 0]) for visit in tour]
+        xs = [float(instance.points[instance.node(*visit[:2]), 0]) for visit in tour]
         if xs and xs[0] > min(xs):
             first = instance.contours[tour[0].contour].id
             place = f"head {head.id!r} starts with contour {first!r}, not the leftmost"

@@ -205,7 +205,7 @@ def shortest_in_order(task: Task, order: Sequence[int] | Ints) -> tuple[float, I
     """Return the length and the nodes of the shortest tour through contours in a given order."""
     found = best_entries(task, order)
     return found.cost, np.array(
-        [task.first[contour] + entry for contour, entry in found.visits], dtype=np.int64
+        [task.first[visit.contour] + visit.entry for visit in found.visits], dtype=np.int64
     )
 
 

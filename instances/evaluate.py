@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from cutgap.instances.arrays import Floats, difference
+from cutgap.instances.free_entries import pinned
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan, Visit
 from cutgap.instances.rules import Rules
@@ -82,6 +83,7 @@ def evaluate(instance: Instance, plan: Plan) -> Evaluation:
         When the plan has another number of heads or names what the instance does not have.
     """
     require_known(instance, plan)
+    instance, plan = pinned(instance, plan)
     travel, times = [], []
     for head, tour in enumerate(plan.tours):
         legs = leg_lengths(instance, head, tour)
@@ -102,7 +104,7 @@ def require_known(instance: Instance, plan: Plan) -> None:
     if len(plan.tours) != len(instance.heads):
         raise ValueError(f"plan: expected {len(instance.heads)} tours, one a head, got {len(plan.tours)}")
     for head, tour in enumerate(plan.tours):
-        for contour, entry in tour:
+        for contour, entry, _ in tour:
             if not 0 <= contour < len(instance.contours):
                 name, count = instance.heads[head].id, len(instance.contours)
                 raise ValueError(f"plan, head {name!r}: no contour {contour} among {count}")
@@ -118,7 +120,7 @@ def leg_lengths(instance: Instance, head: int, tour: tuple[Visit, ...]) -> Float
 
 def backward(instance: Instance, tour: tuple[Visit, ...]) -> float:
     """Return B of equation (5), mm."""
-    xs = instance.points[[instance.node(*visit) for visit in tour], 0] if tour else np.zeros(0)
+    xs = instance.points[[instance.node(*visit[:2]) for visit in tour], 0] if tour else np.zeros(0)
     return float(np.maximum(0.0, -np.diff(xs)).sum())
 
 
@@ -126,5 +128,6 @@ def partition_gap(instance: Instance, plan: Plan) -> float | None:
     """Return F of equation (4), mm."""
     if not instance.located:
         return None
-    xs = [[float(instance.points[instance.node(*visit), 0]) for visit in tour] for tour in plan.tours if tour]
+    nodes = [[instance.node(*visit[:2]) for visit in tour] for tour in plan.tours if tour]
+    xs = [instance.points[each, 0].tolist() for each in nodes]
     return min((difference(max(left), min(right)) for left, right in pairwise(xs)), default=None)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from cutgap.instances.arrays import Floats, Ints, finite_number, frozen_array
+from cutgap.instances.region import Ellipsoid
 
 Ring = Literal["hole", "inner", "outer"]
 Metric = Literal["euclidean", "chebyshev", "matrix"]
@@ -40,6 +41,8 @@ class Contour:
         ``hole`` (stands alone), ``inner`` or ``outer`` ring of its part.
     geometry
         Shape (k, 2), mm: the curve as a closed polyline, first point not repeated.
+    region
+        What the curve encloses, exactly, where a polyline would only be near it or there is none.
     """
 
     id: str
@@ -48,6 +51,7 @@ class Contour:
     part: str | None = None
     ring: Ring = "hole"
     geometry: Floats | None = None
+    region: Ellipsoid | None = None
 
     def __post_init__(self) -> None:
         name = f"contour {self.id!r}"

@@ -52,7 +52,7 @@ def clear_rapids(instance: Instance, plan: Plan) -> list[Violation]:
     for head, tour in enumerate(plan.tours):
         for turn, (one, other) in enumerate(pairwise(tour)):
             begins = starts[one.contour] + float(instance.service_times[one.contour])
-            crossed = contours_in(table[instance.node(*one), instance.node(*other)])
+            crossed = contours_in(table[instance.node(*one[:2]), instance.node(*other[:2])])
             cut = [
                 instance.contours[k].id
                 for k in crossed

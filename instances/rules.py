@@ -13,7 +13,8 @@ OBJECTIVES: tuple[Objective, ...] = ("makespan", "travel", "weighted")
 class Rules:
     """Objective and constraints.
 
-    The last four are process rules for parts of several contours; source: Li et al. (2019).
+    ``parts_in_one_go`` to ``backward_price`` are process rules for parts of several contours; source: Li et
+    al. (2019).
 
     Parameters
     ----------
@@ -41,6 +42,9 @@ class Rules:
     backward_price
         Price, in mm of travel, of one mm of x by which a rapid between contours goes back; for ``travel``
         and ``weighted`` only.
+    free_entries
+        A contour may be entered anywhere in its region (``free_entries.region_of``), not at its entry points
+        alone.
     """
 
     objective: Objective = "makespan"
@@ -53,6 +57,7 @@ class Rules:
     neighbours_only: bool = False
     clear_rapids: bool = False
     backward_price: float = 0.0
+    free_entries: bool = False
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from cutgap.instances.arrays import Floats
+from cutgap.instances.free_entries import pinned
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan, Visit
 
@@ -25,7 +26,7 @@ class Track:
 
 def tour_nodes(instance: Instance, head: int, tour: tuple[Visit, ...]) -> list[int]:
     """Return the nodes of a closed tour in order, the first one repeated at the end; empty without work."""
-    nodes = [instance.node(contour, entry) for contour, entry in tour]
+    nodes = [instance.node(*visit[:2]) for visit in tour]
     if not nodes:
         return []
     home = instance.home_node(head)
@@ -61,6 +62,7 @@ def track(instance: Instance, head: int, tour: tuple[Visit, ...]) -> Track:
 def start_times(instance: Instance, plan: Plan) -> dict[int, float]:
     """Return when each contour of the plan starts to be cut (its last visit, if there are several), s."""
     starts: dict[int, float] = {}
+    instance, plan = pinned(instance, plan)
     for head, tour in enumerate(plan.tours):
         times = track(instance, head, tour).starts
         starts.update({visit.contour: time for visit, time in zip(tour, times, strict=True)})
@@ -73,6 +75,7 @@ def smallest_separation(instance: Instance, plan: Plan) -> float | None:
     ``None`` for a single head, and where a head is nowhere. Positions are piecewise linear in time, so
     the extremes lie at break points; where a given matrix lets a head jump, both sides of it count.
     """
+    instance, plan = pinned(instance, plan)
     tracks = [track(instance, head, tour) for head, tour in enumerate(plan.tours)]
     if not instance.located or len(tracks) < 2 or any(len(each.times) == 0 for each in tracks):
         return None

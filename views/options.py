@@ -56,6 +56,8 @@ class RuleOptions:
     """No rapid crosses a contour that is cut already."""
     backward_price: float | None = None
     """Price in mm of travel of each mm of x that a rapid goes back."""
+    free_entries: Choice = None
+    """A contour may be entered anywhere in its region, not at its entry points alone."""
 
     def rules(self, base: Rules = DEFAULTS) -> Rules:
         """Return ``base`` with what is given put in its place.

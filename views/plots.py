@@ -15,6 +15,7 @@ from matplotlib.patheffects import withStroke
 from cutgap.instances import Instance, Plan, Result, Visit
 from cutgap.instances.arrays import Floats
 from cutgap.instances.evaluate import require_known
+from cutgap.instances.free_entries import pinned
 from cutgap.instances.simulate import tour_nodes
 from cutgap.views.options import require_picture_name
 
@@ -59,6 +60,7 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
         raise ValueError(f"instance {instance.name!r} has a matrix but no coordinates: nothing to draw")
     if plan is not None:
         require_known(instance, plan)
+        instance, plan = pinned(instance, plan)
     width, height = _size(instance)
     figure = Figure(figsize=(width, height))
     # Margins in inches: to have them found by a layout engine takes as long as all the drawing.
@@ -160,7 +162,7 @@ def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...
     axes.plot(inner[:, 0], inner[:, 1], color=colour, linewidth=width, zorder=2)
     _draw_arrows(axes, points, colour, fineness)
     if len(tour) <= MOST_NUMBERED:
-        _draw_numbers(axes, instance.points[[instance.node(*visit) for visit in tour], :2], colour)
+        _draw_numbers(axes, instance.points[[instance.node(*visit[:2]) for visit in tour], :2], colour)
     axes.scatter(inner[0, 0], inner[0, 1], s=130, facecolors="none", edgecolors=colour, zorder=4)
 
 
@@ -207,7 +209,8 @@ def _draw_arrows(axes: Axes, points: Floats, colour: str, fineness: float) -> No
 
 def _draw_partition(axes: Axes, instance: Instance, plan: Plan) -> None:
     """Draw the line half way between neighbouring ranges; where they overlap, shade the overlap."""
-    xs = [[float(instance.points[instance.node(*visit), 0]) for visit in tour] for tour in plan.tours if tour]
+    nodes = [[instance.node(*visit[:2]) for visit in tour] for tour in plan.tours if tour]
+    xs = [instance.points[each, 0].tolist() for each in nodes]
     for left, right in pairwise(xs):
         if max(left) <= min(right):
             middle = (max(left) + min(right)) / 2

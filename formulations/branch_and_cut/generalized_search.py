@@ -46,7 +46,7 @@ def shortest_generalized_tour(
     local = EntrySearch(task, min(START_MOST, START_ROUNDS * (len(first) - 1)), rng=np.random.default_rng(0))
     while not local.over and (local.done == 0 or time.perf_counter() < deadline):
         local.run(START_PIECE)
-    best = shortest_in_order(task, [contour for contour, _ in local.best.visits])
+    best = shortest_in_order(task, [visit.contour for visit in local.best.visits])
     if start is not None:
         order = np.searchsorted(first, start, side="right") - 1
         best = min(best, shortest_in_order(task, order), key=lambda tour: tour[0])

@@ -289,7 +289,7 @@ class GeneralizedTourModel(Model):
         guide[self.heads[used], self.tails[used]] *= discount
         search = EntrySearch(plain_task(guide, self.first), ROUNDING * self.contours, rng=self.rng)
         search.run(search.rounds)
-        return shortest_in_order(self.task, [contour for contour, _ in search.best.visits])
+        return shortest_in_order(self.task, [visit.contour for visit in search.best.visits])
 
     def _own_tour(self) -> Ints | None:
         """Return the tour of an integral point, ``None`` when it is fractional or falls apart."""

@@ -124,6 +124,10 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
     multiplier_scale = integer(table["multiplier_scale"], "multiplier_scale", least=1)
     proof, budget = table["proof"], Budget()
     require(isinstance(proof, dict), "proof: expected an object")
+    # What holds for given entry points says nothing about a plan that chooses its own.
+    free = proof.get("kind") == "regions"
+    asked = "free" if rules.free_entries else "given"
+    require(rules.free_entries == free, f"proof: {show(proof.get('kind'))} is no kind for {asked} entries")
     if proof.get("kind") in ("tour", "split", "two-heads"):
         problem.require_plain(proof["kind"])
     if proof.get("kind") == "gtsp":

@@ -198,13 +198,15 @@ Point = tuple[Fraction, ...]
 
 
 Curve = tuple[Point, ...]
-ContourFields = tuple[str, tuple[Point, ...], Fraction, str | None, Curve]
+Ellipsoid = tuple[Point, tuple[Point, ...]]
+"""Centre and half axes."""
+ContourFields = tuple[str, tuple[Point, ...], Fraction, str | None, Curve, Ellipsoid | None]
 
 
 def _contour(value: Any, index: int) -> ContourFields:
-    """Return id, entry points, perimeter, part and curve."""
+    """Return id, entry points, perimeter, part, curve and region."""
     where = f"contours[{index}]"
-    table = fields(value, where, "id entry_points perimeter", "part ring geometry")
+    table = fields(value, where, "id entry_points perimeter", "part ring geometry region")
     given = entries(table["entry_points"], f"{where}.entry_points")
     require(given != [], f"{where}.entry_points: expected at least one")
     points = tuple(_point(each, f"{where}.entry_points[{i}]") for i, each in enumerate(given))
@@ -213,7 +215,17 @@ def _contour(value: Any, index: int) -> ContourFields:
     require(part is None or isinstance(part, str), f"{where}.part: expected a text, got {show(part)}")
     rows = entries(table.get("geometry") or [], f"{where}.geometry")
     curve = tuple(_point(each, f"{where}.geometry[{i}]", 2) for i, each in enumerate(rows))
-    return text_of(table["id"], f"{where}.id"), points, perimeter, part, curve
+    region = _ellipsoid(table.get("region"), f"{where}.region")
+    return text_of(table["id"], f"{where}.id"), points, perimeter, part, curve, region
+
+
+def _ellipsoid(value: Any, where: str) -> Ellipsoid | None:
+    if value is None:
+        return None
+    table = fields(value, where, "centre axes")
+    axes = entries(table["axes"], f"{where}.axes")
+    require(1 <= len(axes) <= 3, f"{where}.axes: expected 1 to 3, got {len(axes)}")
+    return _point(table["centre"], f"{where}.centre"), tuple(_point(each, f"{where}.axes") for each in axes)
 
 
 def _plane(contours: list[ContourFields]) -> tuple[tuple[Spot, ...], tuple[tuple[Spot, ...], ...]]:
@@ -280,5 +292,5 @@ def _matrix(value: Any, count: int) -> tuple[tuple[Fraction, ...], ...]:
 
 
 def _digest(content: list[Any]) -> str:
-    text = "cutgap-problem 2 " + json.dumps(content, default=str)
+    text = "cutgap-problem 3 " + json.dumps(content, default=str)
     return hashlib.sha256(text.encode("ascii")).hexdigest()

@@ -12,8 +12,9 @@ from cutgap.formulations.certificate.reading import fields, flag, number, requir
 class Rules:
     """What is asked of a plan; fields as in the library's ``Rules``.
 
-    The last four, the process rules, are optional in a document. They only forbid plans or add to their
-    value, so proofs may leave them out of account.
+    Process rules (``parts_in_one_go`` to ``backward_price``) and ``free_entries`` are optional in a document.
+    Process rules only forbid plans or add to their value, so proofs may leave them out of account. Free entries
+    allow more plans: only proofs of the kind ``regions`` hold for them.
     """
 
     objective: str
@@ -26,6 +27,7 @@ class Rules:
     neighbours_only: bool
     clear_rapids: bool
     backward_price: Fraction
+    free_entries: bool
 
 
 def rules_of(value: Any, problem: Problem) -> Rules:
@@ -34,7 +36,7 @@ def rules_of(value: Any, problem: Problem) -> Rules:
         value,
         "rules",
         "objective weight non_overlap balance via_points empty_heads",
-        "parts_in_one_go neighbours_only clear_rapids backward_price",
+        "parts_in_one_go neighbours_only clear_rapids backward_price free_entries",
     )
     limits = {
         name: None if table[name] is None else number(table[name], f"rules.{name}", least=0)
@@ -49,6 +51,7 @@ def rules_of(value: Any, problem: Problem) -> Rules:
         neighbours_only=flag(table.get("neighbours_only", False), "rules.neighbours_only"),
         clear_rapids=flag(table.get("clear_rapids", False), "rules.clear_rapids"),
         backward_price=number(table.get("backward_price", 0), "rules.backward_price", least=0),
+        free_entries=flag(table.get("free_entries", False), "rules.free_entries"),
         **limits,
     )
     require(rules.objective in ("makespan", "travel", "weighted"), "rules.objective: not known")

@@ -97,7 +97,7 @@ class Division:
 
     def halves(self, region: Region, plan: Plan) -> tuple[Region, Region] | None:
         """Return two regions with all plans that keep non-overlap, without this plan; ``None`` if it does."""
-        ranks = [[int(self.rank[self.first[c] + entry]) for c, entry in tour] for tour in plan.tours]
+        ranks = [[int(self.rank[self.first[c] + entry]) for c, entry, _ in tour] for tour in plan.tours]
         if not all(ranks):
             return None
         first = int(np.searchsorted(self.upto, max(ranks[0])))

@@ -60,7 +60,7 @@ class Side:
         if self.search is None or self.search.plan is None:
             return ()
         (visits,) = self.search.plan.tours
-        return tuple(Visit(int(self.contours[c]), int(self.entries[c][entry])) for c, entry in visits)
+        return tuple(Visit(int(self.contours[c]), int(self.entries[c][entry])) for c, entry, _ in visits)
 
     def advance(self) -> bool:
         """Raise the bound or find a shorter tour; False when neither works any more."""

@@ -105,7 +105,7 @@ class _Run:
         hint = None
         if start is not None and not check(self.instance, self.rules, start):
             self._offer(start)
-            hint = tuple(tuple(self.instance.node(*visit) for visit in tour) for tour in start.tours)
+            hint = tuple(tuple(self.instance.node(*visit[:2]) for visit in tour) for tour in start.tours)
         job = Job(self.data, self._seconds_left(), workers, memory_mib, hint)
         reason = self._search(job)
         infeasible = self.status == "INFEASIBLE" and self.best is None

@@ -107,6 +107,7 @@ def _obstacles(instance: Instance) -> dict[str, bool]:
     return {
         "several entry points": any(len(contour.entry_points) > 1 for contour in contours),
         "geometry": any(contour.geometry is not None for contour in contours),
+        "regions": any(contour.region is not None for contour in contours),
         "parts and rings": any(contour.part is not None or contour.ring != "hole" for contour in contours),
         "precedence": bool(instance.precedence),
         f"the metric {instance.machine.metric}": instance.machine.metric != "euclidean",

@@ -10,11 +10,18 @@ from typing import Any
 
 from cutgap.instances.arrays import Floats, frozen_array
 from cutgap.instances.evaluate import require_known
-from cutgap.instances.formats.json_models import ContourModel, InstanceModel, PlanModel, VisitModel
+from cutgap.instances.formats.json_models import (
+    ContourModel,
+    EllipsoidModel,
+    InstanceModel,
+    PlanModel,
+    VisitModel,
+)
 from cutgap.instances.formats.json_text import fit_format, load_json, parse_json
 from cutgap.instances.formats.options import MachineOptions
 from cutgap.instances.instance import Contour, Head, Instance, Machine, Material
 from cutgap.instances.plan import Plan, Visit
+from cutgap.instances.region import Ellipsoid
 
 INSTANCE_FORMAT = "cutgap-instance"
 PLAN_FORMAT = "cutgap-plan"
@@ -121,7 +128,10 @@ def _visit(instance: Instance, positions: dict[str, int], visit: VisitModel, pla
     count = len(instance.contours[contour].entry_points)
     if visit.entry >= count:
         raise ValueError(f"{place}.entry: expected less than {count}, got {visit.entry}")
-    return Visit(contour, visit.entry)
+    if visit.point is None:
+        return Visit(contour, visit.entry)
+    x, y, z = visit.point
+    return Visit(contour, visit.entry, (x, y, z))
 
 
 def format_plan(plan: Plan, instance: Instance) -> str:
@@ -130,11 +140,16 @@ def format_plan(plan: Plan, instance: Instance) -> str:
     tours = [
         {
             "head": head.id,
-            "visits": [{"contour": instance.contours[c].id, "entry": entry} for c, entry in tour],
+            "visits": [_visit_fields(instance, visit) for visit in tour],
         }
         for head, tour in zip(instance.heads, plan.tours, strict=True)
     ]
     return _layout({"format": PLAN_FORMAT, "version": VERSION, "instance": instance.name, "tours": tours})
+
+
+def _visit_fields(instance: Instance, visit: Visit) -> dict[str, Any]:
+    fields: dict[str, Any] = {"contour": instance.contours[visit.contour].id, "entry": visit.entry}
+    return fields if visit.point is None else fields | {"point": list(visit.point)}
 
 
 def _points(values: list[float] | list[list[float]] | None) -> Floats | None:
@@ -155,7 +170,14 @@ def _matrix(rows: list[list[float]] | None) -> Floats | None:
 
 def _contour(model: ContourModel) -> Contour:
     points = frozen_array(model.entry_points, "entry_points")
-    return Contour(model.id, points, model.perimeter, model.part, model.ring, _points(model.geometry))
+    curve = _points(model.geometry)
+    return Contour(model.id, points, model.perimeter, model.part, model.ring, curve, _ellipsoid(model.region))
+
+
+def _ellipsoid(model: EllipsoidModel | None) -> Ellipsoid | None:
+    if model is None:
+        return None
+    return Ellipsoid(frozen_array(model.centre, "centre"), frozen_array(model.axes, "axes"))
 
 
 def _contour_fields(contour: Contour) -> dict[str, Any]:
@@ -170,6 +192,9 @@ def _contour_fields(contour: Contour) -> dict[str, Any]:
         fields["ring"] = contour.ring
     if contour.geometry is not None:
         fields["geometry"] = contour.geometry.tolist()
+    if contour.region is not None:
+        region = contour.region
+        fields["region"] = {"centre": region.centre.tolist(), "axes": region.axes.tolist()}
     return fields
 
 

@@ -27,6 +27,15 @@ class _Model(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
+class EllipsoidModel(_Model):
+    """All points centre + sum of u_i axes_i with |u| <= 1: a segment, disc, ellipse, ball or ellipsoid."""
+
+    centre: Point3 = Field(description="Centre [x, y, z] in mm.")
+    axes: Annotated[list[Point3], Field(fail_fast=True)] = Field(
+        min_length=1, max_length=3, description="Half axes [x, y, z] in mm."
+    )
+
+
 class ContourModel(_Model):
     """A closed curve to be cut once."""
 
@@ -41,6 +50,9 @@ class ContourModel(_Model):
         default=None,
         min_length=3,
         description="Closed polyline of points [x, y] in mm, first point not repeated.",
+    )
+    region: EllipsoidModel | None = Field(
+        default=None, description="What the curve encloses, exactly; with free entries it is entered there."
     )
 
 
@@ -101,10 +113,13 @@ class InstanceModel(_Model):
 
 
 class VisitModel(_Model):
-    """A contour and the entry point at which it is pierced."""
+    """A contour and where it is pierced: an entry point, or a point of the plan's own."""
 
     contour: Name = Field(description="Id of the contour.")
     entry: int = Field(default=0, ge=0, description="Number of the entry point, from 0.")
+    point: Point3 | None = Field(
+        default=None, description="Place [x, y, z] in mm instead of the entry point, with free entries."
+    )
 
 
 class TourModel(_Model):

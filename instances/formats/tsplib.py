@@ -181,6 +181,7 @@ def obstacles(instance: Instance) -> dict[str, bool]:
     contours = instance.contours
     return {
         "geometry": any(contour.geometry is not None for contour in contours),
+        "regions": any(contour.region is not None for contour in contours),
         "parts and rings": any(contour.part is not None or contour.ring != "hole" for contour in contours),
         "perimeters": any(contour.perimeter > 0 for contour in contours),
         "a material": instance.material is not None,

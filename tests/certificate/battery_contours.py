@@ -286,7 +286,7 @@ def plans_are_checked_against_curves(api: Any) -> None:
         exact = api.rules_of(asdict(rules), problem)
         for _ in range(10):
             plan = random_plan(rng, sheet)
-            tours = [[[problem.ids[contour], entry] for contour, entry in tour] for tour in plan.tours]
+            tours = [[[problem.ids[contour], entry] for contour, entry, *_ in tour] for tour in plan.tours]
             broken = {each.constraint for each in check(sheet, rules, plan)}
             if "precedence" in broken:
                 continue

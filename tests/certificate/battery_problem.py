@@ -44,7 +44,7 @@ def plans_with_entry_points_are_checked_and_valued(api: Any) -> None:
         sizes = [range(len(contour.entry_points)) for contour in instance.contours]
         for order, entries in product(permutations(range(4)), product(*sizes)):
             plan = Plan((tuple(Visit(contour, entries[contour]) for contour in order),))
-            tours = [[[problem.ids[contour], entry] for contour, entry in tour] for tour in plan.tours]
+            tours = [[[problem.ids[contour], entry] for contour, entry, *_ in tour] for tour in plan.tours]
             allowed = not check(instance, rules, plan)
             seen[allowed] += 1
             if not allowed:

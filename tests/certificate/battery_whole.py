@@ -128,7 +128,7 @@ def plans_are_worth_what_the_library_says(api: Any) -> None:
         for rules in (Rules(), Rules(**WEIGHTED, non_overlap=None, via_points=True, empty_heads=True)):
             exact = api.rules_of(asdict(rules), problem)
             for plan, evaluation in list(all_plans(instance, rules))[::3]:
-                tours = [[[problem.ids[c], entry] for c, entry in tour] for tour in plan.tours]
+                tours = [[[problem.ids[c], entry] for c, entry, *_ in tour] for tour in plan.tours]
                 value = api.plan.plan_value(problem, exact, tours)
                 assert float(value) == pytest.approx(evaluation.objective(rules), rel=1e-12, abs=1e-12)
 
@@ -194,6 +194,7 @@ def hashes_tell_problems_apart(api: Any) -> None:
         (["contours", 0, "perimeter"], 0.125),
         (["contours", 2, "part"], "bracket"),
         (["contours", 2, "geometry"], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
+        (["contours", 2, "region"], {"centre": [0.0, 0.0, 0.0], "axes": [[1.0, 0.0, 0.0]]}),
         (["precedence", 1], ["c1", "c3"]),
         (["precedence", 1], ["c3", "c0"]),
         (["located"], False),

@@ -42,8 +42,9 @@ MUTANTS = [
         ("contours, precedence, matrix", "contours, matrix"),
         ("matrix, located])", "located])"),
         ("matrix, located])", "matrix])"),
-        ("perimeter, part, curve\n", "perimeter, None, curve\n"),
-        ("perimeter, part, curve\n", "perimeter, part, ()\n"),
+        ("perimeter, part, curve, region\n", "perimeter, None, curve, region\n"),
+        ("perimeter, part, curve, region\n", "perimeter, part, (), region\n"),
+        ("perimeter, part, curve, region\n", "perimeter, part, curve, None\n"),
         ("Fraction(0) if i == j else number", "number"),
     ),
     *mutants(

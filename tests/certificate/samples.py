@@ -60,7 +60,7 @@ def frame(
     best = brute_force(instance, rules)
     tours = None
     if best is not None and with_plan:
-        tours = [[[problem.ids[contour], entry] for contour, entry in tour] for tour in best.tours]
+        tours = [[[problem.ids[contour], entry] for contour, entry, *_ in tour] for tour in best.tours]
     certificate = {
         "format": "cutgap-certificate",
         "version": 1,

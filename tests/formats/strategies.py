@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from cutgap.instances import Contour, Head, Instance, Machine, Material, Plan
+from cutgap.instances import Contour, Head, Instance, Machine, Material, Plan, Visit
+from cutgap.instances.region import Ellipsoid
 
 TEXT = st.text(st.characters(codec="utf-8"), max_size=8)
 NAMES = st.text(st.characters(codec="utf-8"), min_size=1, max_size=6)
@@ -29,6 +30,7 @@ def contours(name: str) -> st.SearchStrategy[Contour]:
         part=st.none() | TEXT,
         ring=st.sampled_from(["hole", "inner", "outer"]),
         geometry=st.none() | points(2, 3, 4),
+        region=st.none() | st.builds(Ellipsoid, points(3, 1, 1).map(lambda rows: rows[0]), points(3, 1, 3)),
     )
 
 
@@ -67,7 +69,9 @@ def with_matrix(draw: st.DrawFn, instance: Instance) -> Instance:
 def plans(draw: st.DrawFn, instance: Instance) -> Plan:
     """Any visits on any heads, allowed or not."""
     nodes = [(c, e) for c, contour in enumerate(instance.contours) for e in range(len(contour.entry_points))]
-    tour = st.lists(st.sampled_from(nodes), max_size=6) if nodes else st.just([])
+    place = st.none() | st.tuples(FINITE, FINITE, FINITE)
+    visit = st.builds(lambda node, point: Visit(*node, point), st.sampled_from(nodes), place) if nodes else None
+    tour = st.just([]) if visit is None else st.lists(visit, max_size=6)
     return Plan(tuple(draw(tour) for _ in instance.heads))
 
 

@@ -129,7 +129,7 @@ def test_thresholds_hold_just_the_plans_that_keep_non_overlap(seed, gap):
             entry = int(rng.integers(len(part.contours[contour].entry_points)))
             tours[int(rng.integers(2))].append((contour, entry))
         plan = Plan(tuple(map(tuple, tours)))
-        nodes = [[part.node(*visit) for visit in tour] for tour in tours]
+        nodes = [[part.node(*visit[:2]) for visit in tour] for tour in tours]
         held = any(
             all(division.rank[v] <= upto for v in nodes[0]) and all(division.rank[v] >= since for v in nodes[1])
             for upto, since in zip(division.upto, division.since, strict=True)

@@ -80,7 +80,8 @@ def test_a_tour_deposits_by_its_length_and_the_rules_it_dropped(price):
         colony = Colony(instance, rules, parameters)
         colony.iterate(np.random.default_rng(seed))
         plan = colony.plan()
-        nodes = [colony.sheet.start, *(instance.node(*visit) for visit in plan.tours[0]), colony.sheet.start]
+        tour = [instance.node(*visit[:2]) for visit in plan.tours[0]]
+        nodes = [colony.sheet.start, *tour, colony.sheet.start]
         expected = np.full_like(colony.pheromone, 0.9)
         counted = evaluate(instance, plan).total_travel_mm + price * colony.dropped
         expected[nodes[:-1], nodes[1:]] += 0.1 * 1.5 * 50.0 / counted

@@ -223,7 +223,7 @@ def test_agrees_with_the_oracle(seed, holes, non_overlap, balance):
     rules = Rules(non_overlap=non_overlap, balance=balance, via_points=via_points, empty_heads=empty_heads)
     problem = plain_problem(drawn)
     measured = figures(problem, plan.tours)
-    starts = [[problem.entries[c][e][0] for c, e in tour] for tour in plan.tours]
+    starts = [[problem.entries[c][e][0] for c, e, *_ in tour] for tour in plan.tours]
     gap = measured.partition_gap
     expected = {
         "non-overlap": non_overlap is not None and gap is not None and gap < non_overlap,

@@ -166,7 +166,7 @@ def test_symmetries(seed, holes, heads, metric):
 
     order = rng.permutation(holes)
     places = {int(contour): place for place, contour in enumerate(order)}
-    renamed = Plan(tuple(tuple(Visit(places[c], e) for c, e in tour) for tour in plan.tours))
+    renamed = Plan(tuple(tuple(Visit(places[c], e) for c, e, *_ in tour) for tour in plan.tours))
     relabelled = evaluate(permuted(part, order), renamed)
     same(relabelled, expected)
     same_in_x(relabelled, expected)

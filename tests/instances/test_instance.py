@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cutgap.instances import Contour, Head, Instance, Machine, Material, Plan, Rules
+from cutgap.instances import Contour, Head, Instance, Machine, Material, Plan, Rules, Visit
 
 POINT = [[10.0, 20.0, 30.0]]
 STEEL = {
@@ -259,7 +259,7 @@ def test_rules_say_their_unit():
 
 def test_plan_of_contours_takes_the_first_entry_points():
     plan = Plan.of_contours([np.array([2, 0]), [], (1,)])
-    assert plan.tours == (((2, 0), (0, 0)), (), ((1, 0),))
+    assert plan.tours == ((Visit(2, 0), Visit(0, 0)), (), (Visit(1, 0),))
     assert plan == Plan((((2, 0), (0, 0)), (), ((1, 0),)))
 
 

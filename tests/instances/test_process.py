@@ -117,10 +117,10 @@ def test_broken_rules_and_values_agree_with_the_oracle(seed, heads):
         legs = rapid_costs(instance, rules)
         legs, between = rapid_costs(instance, rules), 0.0
         for tour in plan.tours:
-            between += sum(float(legs[instance.node(*a), instance.node(*b)]) for a, b in pairwise(tour))
+            between += sum(float(legs[instance.node(*a[:2]), instance.node(*b[:2])]) for a, b in pairwise(tour))
         lengths = evaluate(instance, plan).objective(replace(rules, backward_price=0.0))
         rapids = sum(
-            float(instance.rapids[instance.node(*a), instance.node(*b)])
+            float(instance.rapids[instance.node(*a[:2]), instance.node(*b[:2])])
             for t in plan.tours
             for a, b in pairwise(t)
         )

@@ -56,7 +56,7 @@ def broken_rules(instance: Instance, rules: Rules, tours: tuple[Tour, ...]) -> s
 def ends_of(problem: Problem, head: int, tour: Tour) -> dict[int, float]:
     """When the head is done with each contour, s; it starts from its home, or at its first contour."""
     time, place, ends = 0.0, problem.home_node(head), {}
-    for contour, entry in tour:
+    for contour, entry, *_ in tour:
         node = problem.node(contour, entry)
         if place is not None:
             time += problem.lengths[place][node] / problem.v_jump
@@ -113,7 +113,7 @@ class _Search:
     def _walked(self, tour: Tour, closed: bool = False) -> float:
         """Cost of a beginning of a tour, mm, up to the order in which its legs are added."""
         problem, home = self.problem, self.problem.home_node(0)
-        nodes = [problem.node(*visit) for visit in tour]
+        nodes = [problem.node(*visit[:2]) for visit in tour]
         if home is not None:
             nodes = [home, *nodes]
         if closed and nodes:
@@ -127,7 +127,7 @@ class _Search:
         """Every tour of the contours that keeps the rules of one head."""
 
         def extend(tour: Tour) -> Iterator[Tour]:
-            done = {contour for contour, _ in tour}
+            done = {contour for contour, *_ in tour}
             if len(done) == len(contours):
                 yield tour
             for contour in sorted(contours - done):
@@ -140,7 +140,7 @@ class _Search:
 
     def _may_extend(self, contours: frozenset[int], tour: Tour) -> bool:
         """Whether the last visit may follow the others, with the rest of the contours still to come."""
-        new, done = tour[-1], [contour for contour, _ in tour[:-1]]
+        new, done = tour[-1], [contour for contour, *_ in tour[:-1]]
         to_come = contours - set(done)
         if any(after == new[0] and before in to_come for before, after in self.problem.precedence):
             return False
@@ -159,11 +159,11 @@ class _Search:
             names = self.sheet.parts[one[0]], self.sheet.parts[other[0]]
             if names[0] != names[1] and names not in self.sheet.neighbours:
                 return False
-        return not (self.rules.clear_rapids and self.sheet.crossed[(*one, *other)] & set(done))
+        return not (self.rules.clear_rapids and self.sheet.crossed[(*one[:2], *other[:2])] & set(done))
 
     def broken_on_a_head(self, tour: Tour) -> set[str]:
         """Names of the broken rules that concern one head, from the whole tour."""
-        broken, order = set(), [contour for contour, _ in tour]
+        broken, order = set(), [contour for contour, *_ in tour]
         pairs = [(a, b) for a, b in self.problem.precedence if a in order and b in order]
         if any(order.index(a) > order.index(b) for a, b in pairs):
             broken.add("precedence")
@@ -180,7 +180,7 @@ class _Search:
                 names = self.sheet.parts[one[0]], self.sheet.parts[other[0]]
                 if names[0] != names[1] and names not in self.sheet.neighbours:
                     broken.add("neighbours only")
-            if self.rules.clear_rapids and self.sheet.crossed[(*one, *other)] & set(order[: turn + 1]):
+            if self.rules.clear_rapids and self.sheet.crossed[(*one[:2], *other[:2])] & set(order[: turn + 1]):
                 broken.add("clear rapids")
         return broken
 
@@ -199,7 +199,7 @@ class _Search:
             for head, tour in enumerate(tours):
                 for one, other in pairwise(tour):
                     leaves, others = ends[head][one[0]], ends[1 - head]
-                    crossed = self.sheet.crossed[(*one, *other)]
+                    crossed = self.sheet.crossed[(*one[:2], *other[:2])]
                     if any(k in others and others[k] <= leaves for k in crossed):
                         broken.add("clear rapids")
         return broken

@@ -96,8 +96,8 @@ def figures(problem: Problem, tours: tuple[Tour, ...]) -> Figures:
     for head, tour in enumerate(tours):
         length = tour_length(problem, head, tour)
         travel.append(length)
-        time.append(length / problem.v_jump + problem.work([contour for contour, _ in tour]))
-        ranges.append([problem.entries[contour][entry][0] for contour, entry in tour])
+        time.append(length / problem.v_jump + problem.work([contour for contour, *_ in tour]))
+        ranges.append([problem.entries[contour][entry][0] for contour, entry, *_ in tour])
     working = [xs for xs in ranges if xs]
     gaps = [Fraction(repr(min(right))) - Fraction(repr(max(left))) for left, right in pairwise(working)]
     return Figures(tuple(travel), tuple(time), float(min(gaps)) if gaps else None)
@@ -107,7 +107,7 @@ def tour_length(problem: Problem, head: int, tour: Tour) -> float:
     """Length of rapids, mm: from home and back, or around when there is no home."""
     if not tour:
         return 0.0
-    stops = [problem.node(contour, entry) for contour, entry in tour]
+    stops = [problem.node(contour, entry) for contour, entry, *_ in tour]
     home = problem.home_node(head)
     around = [*stops, stops[0]] if home is None else [home, *stops, home]
     return math.fsum(problem.lengths[a][b] for a, b in pairwise(around))

@@ -16,7 +16,7 @@ def head_x(problem: Problem, head: int, tour: Tour, time: float, chebyshev: bool
         if home is None:
             raise ValueError("a head without home and work is nowhere")
         return home[0]
-    stops = [(problem.node(*visit), problem.entries[visit[0]][visit[1]][0], visit[0]) for visit in tour]
+    stops = [(problem.node(*visit[:2]), problem.entries[visit[0]][visit[1]][0], visit[0]) for visit in tour]
     legs: list[tuple[int, float, int | None]]
     if home is None or home_node is None:
         node, x, contour = stops[0]

@@ -38,10 +38,10 @@ def allowed(instance: Instance, rules: Rules, tours) -> bool:
     if rules.non_overlap is not None and gap is not None and gap < rules.non_overlap:
         return False
     for tour in tours:
-        xs = [problem.entries[c][e][0] for c, e in tour]
+        xs = [problem.entries[c][e][0] for c, e, *_ in tour]
         if rules.via_points and tour and xs[0] != min(xs):
             return False
-        order = [c for c, _ in tour]
+        order = [c for c, *_ in tour]
         if any(order.index(a) > order.index(b) for a, b in instance.precedence):
             return False
     return True

@@ -31,7 +31,7 @@ def test_each_head_visits_its_contours_and_its_home(instance):
     plan = Plan.of_contours([(0, 1, 2), (3, 4, 5)])
     figure = plan_figure(instance, plan)
     for head, tour in enumerate(plan.tours):
-        nodes = [instance.node(*visit) for visit in tour] + [instance.home_node(head)]
+        nodes = [instance.node(*visit[:2]) for visit in tour] + [instance.home_node(head)]
         points = drawn_points(figure, HEAD_COLOURS[head])
         assert {tuple(point) for point in points} == {tuple(instance.points[node, :2]) for node in nodes}
 
