@@ -23,6 +23,13 @@ def _solve_cpsat(instance: Instance, rules: Rules, **options: Any) -> Result:
     return solve_cpsat(instance, rules, **options)
 
 
+def _solve_regions(instance: Instance, rules: Rules, **options: Any) -> Result:
+    """Load the kernels for regions when they are asked for."""
+    from cutgap.formulations.regions.solve import solve_regions
+
+    return solve_regions(instance, rules, **options)
+
+
 METHODS: dict[str, Callable[..., Result]] = {
     "tour": solve_tour,
     "contour-dp": solve_contours,
@@ -31,6 +38,7 @@ METHODS: dict[str, Callable[..., Result]] = {
     "split": solve_split,
     "free": solve_free,
     "cpsat": _solve_cpsat,
+    "regions": _solve_regions,
 }
 """Exact methods by name; ``auto`` takes CP-SAT, whose bounds are claims, only where no other one applies."""
 
@@ -59,26 +67,13 @@ def _suits_edges(instance: Instance) -> bool:
 
 def choose(instance: Instance, rules: Rules) -> Choice:
     """Return the most special exact method that applies, and why."""
+    if rules.free_entries:
+        return Choice("regions", "contours that are entered anywhere in their regions")
+    if len(instance.heads) == 1:
+        return _choose_for_one_head(instance, rules)
     ordered = bool(instance.precedence) or bool(rules.process)
     symmetric = instance.matrix is None or bool((instance.matrix == instance.matrix.T).all())
     single = all(len(contour.entry_points) == 1 for contour in instance.contours)
-    if len(instance.heads) == 1:
-        if single and symmetric and not ordered:
-            return Choice("tour", "one head and one entry point for each contour, in any order")
-        if rules.via_points:
-            return Choice("cpsat", "via points among entry points")
-        if ordered and symmetric and len(instance.contours) > MOST_CONTOURS:
-            return Choice(
-                "gtsp", f"one head, more than {MOST_CONTOURS} contours; its bound leaves rules on order out"
-            )
-        if ordered:
-            asked = ", ".join([*(["precedence"] if instance.precedence else []), *rules.process])
-            return Choice("contour-dp", f"one head under {asked}")
-        if not symmetric:
-            return Choice("contour-dp", "one head, entry points, lengths that differ by direction")
-        if _suits_edges(instance):
-            return Choice("gtsp", "one head, many contours in any order, few entry points each")
-        return Choice("contour-dp", "one head, not too many contours, entry points")
     if len(instance.heads) > 2 or ordered:
         return Choice("cpsat", "two heads under precedence or process rules")
     if not single or not symmetric:
@@ -89,6 +84,28 @@ def choose(instance: Instance, rules: Rules) -> Choice:
     if rules.non_overlap is None:
         return Choice("free", "two heads whose ranges may overlap")
     return Choice("split", "two heads whose ranges must not overlap")
+
+
+def _choose_for_one_head(instance: Instance, rules: Rules) -> Choice:
+    ordered = bool(instance.precedence) or bool(rules.process)
+    symmetric = instance.matrix is None or bool((instance.matrix == instance.matrix.T).all())
+    single = all(len(contour.entry_points) == 1 for contour in instance.contours)
+    if single and symmetric and not ordered:
+        return Choice("tour", "one head and one entry point for each contour, in any order")
+    if rules.via_points:
+        return Choice("cpsat", "via points among entry points")
+    if ordered and symmetric and len(instance.contours) > MOST_CONTOURS:
+        return Choice(
+            "gtsp", f"one head, more than {MOST_CONTOURS} contours; its bound leaves rules on order out"
+        )
+    if ordered:
+        asked = ", ".join([*(["precedence"] if instance.precedence else []), *rules.process])
+        return Choice("contour-dp", f"one head under {asked}")
+    if not symmetric:
+        return Choice("contour-dp", "one head, entry points, lengths that differ by direction")
+    if _suits_edges(instance):
+        return Choice("gtsp", "one head, many contours in any order, few entry points each")
+    return Choice("contour-dp", "one head, not too many contours, entry points")
 
 
 def resolve(method: str, instance: Instance, rules: Rules) -> str:

@@ -3,11 +3,13 @@
     {"format": "cutgap-certificate", "version": 1, "instance": hash, "rules": {...}, "scale": s,
      "multiplier_scale": K, "bound": B, "plan": null | [[[id, entry], ...] per head], "proof": {"kind": ...}}
 
+With free entries a visit of the plan may be [id, entry, [x, y, z]].
+
 The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
 head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with precedence and process rules),
 ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``compact`` (any problem, by
-multipliers of the rows of a compact model).
+multipliers of the rows of a compact model), ``regions`` (one head, free entries).
 """
 
 from dataclasses import dataclass
@@ -31,6 +33,7 @@ from cutgap.formulations.certificate.reading import (
     require,
     show,
 )
+from cutgap.formulations.certificate.regions import Regions, check_regions
 from cutgap.formulations.certificate.rules import Rules, rules_of
 from cutgap.formulations.certificate.split import Cells
 from cutgap.formulations.certificate.tours import TourBounds, prove_tour
@@ -150,6 +153,9 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         # Without costs a value above 0 contradicts weak duality: there is no solution.
         target = 1 if bound is None else multiplier_scale * relaxation.factor * bound
         check_tree(relaxation, table["rows"], table["nodes"], target, budget)
+    elif free:
+        require(bound is not None, "regions: proves bounds, not that there is no plan")
+        check_regions(Regions(problem), proof, _length_of(problem, rules, scale, bound or 0), budget)
     elif proof.get("kind") == "contour-dp":
         require(bound is not None, "contour-dp: proves bounds, not that there is no plan")
         work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
@@ -159,6 +165,12 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         check_compact(problem, rules, proof, (scale, multiplier_scale), bound, budget)
     else:
         raise Refused(f"proof: no kind {show(proof.get('kind'))}")
+
+
+def _length_of(problem: Problem, rules: Rules, scale: int, bound: int) -> Fraction:
+    """Return the length in mm that a tour of the only head must have to be worth the claim."""
+    work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
+    return (bound - (work if rules.objective == "makespan" else 0)) / Fraction(scale)
 
 
 def _check_tour(

@@ -10,6 +10,7 @@ from itertools import groupby, pairwise
 from typing import Any
 
 from cutgap.formulations.certificate.curves import Curves
+from cutgap.formulations.certificate.free_plan import pinned
 from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certificate.reading import entries, integer, require, show
@@ -25,6 +26,11 @@ Visit = tuple[int, int]
 
 def plan_value(problem: Problem, rules: Rules, value: Any) -> Fraction:
     """Return an upper bound on the objective of an allowed plan, s or mm; refuses plans that break a rule."""
+    if rules.free_entries:
+        require(
+            not (rules.neighbours_only or rules.clear_rapids), "plan: free entries go with no rule on curves"
+        )
+        problem, value = pinned(problem, value)
     visits = _visits(problem, value)
     _check_order(problem, rules, visits)
     if rules.neighbours_only or rules.clear_rapids:

@@ -35,6 +35,11 @@ MAX_NODES = 10_000
 
 Pair = tuple[int, int]
 Spot = tuple[int, int]
+Point = tuple[Fraction, ...]
+Curve = tuple[Point, ...]
+Ellipsoid = tuple[Point, tuple[Point, ...]]
+"""Centre and half axes."""
+ContourFields = tuple[str, tuple[Point, ...], Fraction, str | None, Curve, Ellipsoid | None]
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,8 @@ class Problem:
     plane, curves
         x, y of each entry point, and the closed polyline of each contour (empty without one), as integers in
         a unit of their own.
+    contours
+        The fields of each contour as the file has them.
     """
 
     digest: str
@@ -77,6 +84,7 @@ class Problem:
     located: bool
     plane: tuple[Spot, ...]
     curves: tuple[tuple[Spot, ...], ...]
+    contours: tuple[ContourFields, ...]
 
     def lengths(self, node: int, others: list[int], scale: int) -> list[int]:
         """Return (1) from one node to others."""
@@ -131,6 +139,25 @@ class Problem:
             return True
         columns = zip(*self.places, strict=True)
         return all(row == column for row, column in zip(self.places, columns, strict=True))
+
+    def region(self, contour: int) -> tuple[tuple[Point, ...], tuple[Point, ...]]:
+        """Return where a contour may be entered with free entries: points and axes.
+
+        With axes it is the ellipsoid around the only point; else the hull of the points: the contour's curve at
+        the height of its entry points, or its only entry point.
+        """
+        require(self.located, "regions: the points carry no coordinates")
+        name, points, _, _, curve, ellipsoid = self.contours[contour]
+        if ellipsoid is not None:
+            return (ellipsoid[0],), ellipsoid[1]
+        height = points[0][2]
+        if curve:
+            require(
+                all(z == height for _, _, z in points), f"contour {show(name)}: its entry points differ in z"
+            )
+            return tuple((x, y, height) for x, y in curve), ()
+        require(len(points) == 1, f"contour {show(name)}: several entry points and no region")
+        return points, ()
 
     def require_plain(self, kind: str) -> None:
         """Refuse what proofs of symmetric tours over contours of one entry point each say nothing about."""
@@ -191,16 +218,8 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
         located=located,
         plane=plane,
         curves=curves,
+        contours=tuple(contours),
     )
-
-
-Point = tuple[Fraction, ...]
-
-
-Curve = tuple[Point, ...]
-Ellipsoid = tuple[Point, tuple[Point, ...]]
-"""Centre and half axes."""
-ContourFields = tuple[str, tuple[Point, ...], Fraction, str | None, Curve, Ellipsoid | None]
 
 
 def _contour(value: Any, index: int) -> ContourFields:
