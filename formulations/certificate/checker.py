@@ -33,7 +33,7 @@ from cutgap.formulations.certificate.reading import (
     require,
     show,
 )
-from cutgap.formulations.certificate.regions import Regions, check_regions
+from cutgap.formulations.certificate.regions import check_regions, regions_of
 from cutgap.formulations.certificate.rules import Rules, rules_of
 from cutgap.formulations.certificate.split import Cells
 from cutgap.formulations.certificate.tours import TourBounds, prove_tour
@@ -155,7 +155,7 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         check_tree(relaxation, table["rows"], table["nodes"], target, budget)
     elif free:
         require(bound is not None, "regions: proves bounds, not that there is no plan")
-        check_regions(Regions(problem), proof, _length_of(problem, rules, scale, bound or 0), budget)
+        check_regions(regions_of(problem), proof, _length_of(problem, rules, scale, bound or 0), budget)
     elif proof.get("kind") == "contour-dp":
         require(bound is not None, "contour-dp: proves bounds, not that there is no plan")
         work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))

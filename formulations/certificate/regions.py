@@ -36,21 +36,23 @@ class Shape:
     axes: tuple[Vector, ...]
 
 
-class Regions:
-    """The regions of a problem, a home the last one, as integers in 1 / ``unit`` mm."""
+Region = tuple[Sequence[Point], Sequence[Point]]
+"""Points and axes in mm: an ellipsoid around the only point, or without axes the hull of the points."""
 
-    def __init__(self, problem: Problem) -> None:
-        require(len(problem.homes) == 1, "regions: needs one head")
-        require(problem.metric == "euclidean", "regions: takes Euclidean lengths")
-        given = [problem.region(contour) for contour in range(len(problem.ids))]
-        self.home = None if problem.homes[0] is None else len(given)
-        if problem.homes[0] is not None:
-            home = tuple(Fraction(each, problem.denominator) for each in problem.places[problem.homes[0]])
-            given.append(((home,), ()))
+
+class Regions:
+    """Regions as integers in 1 / ``unit`` mm; ``home`` is the number of the one that is, if any.
+
+    ``before`` holds the pairs of regions of which the first comes before the second, all that follow included.
+    """
+
+    def __init__(
+        self, given: Sequence[Region], home: int | None = None, before: frozenset[tuple[int, int]] = frozenset()
+    ) -> None:
+        self.home, self.before = home, before
         rows = [row for points, axes in given for row in (*points, *axes)]
         self.unit = lcm(*{value.denominator for row in rows for value in row})
         self.shapes = [Shape(self._vectors(points), self._vectors(axes)) for points, axes in given]
-        self.before = _closure(problem)
 
     def _vectors(self, rows: Sequence[Point]) -> tuple[Vector, ...]:
         return tuple((int(x * self.unit), int(y * self.unit), int(z * self.unit)) for x, y, z in rows)
@@ -83,14 +85,26 @@ class Regions:
         return Fraction(total, FINE * self.unit * scale)
 
 
-def _closure(problem: Problem) -> set[tuple[int, int]]:
+def regions_of(problem: Problem) -> Regions:
+    """Return the regions of a problem with one head, in order of its contours, and then its home."""
+    require(len(problem.homes) == 1, "regions: needs one head")
+    require(problem.metric == "euclidean", "regions: takes Euclidean lengths")
+    given: list[Region] = [problem.region(contour) for contour in range(len(problem.ids))]
+    (home,) = problem.homes
+    if home is None:
+        return Regions(given, before=_closure(problem))
+    place = tuple(Fraction(each, problem.denominator) for each in problem.places[home])
+    return Regions([*given, ((place,), ())], len(given), _closure(problem))
+
+
+def _closure(problem: Problem) -> frozenset[tuple[int, int]]:
     """Return the pairs of precedence, also those that follow from others."""
     pairs = set(problem.precedence)
     for middle in range(len(problem.ids)):
         first = [a for a, b in pairs if b == middle]
         last = [b for a, b in pairs if a == middle]
         pairs |= {(a, b) for a in first for b in last}
-    return pairs
+    return frozenset(pairs)
 
 
 def check_regions(regions: Regions, proof: Any, length: Fraction, budget: Budget) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cutgap.formulations.certificate import problem_of
 from cutgap.formulations.certificate.proof import Budget
-from cutgap.formulations.certificate.regions import Regions
+from cutgap.formulations.certificate.regions import regions_of
 from cutgap.formulations.regions.interior_point import shortest
 from cutgap.formulations.regions.search import Node, RegionSearch
 from cutgap.instances import Instance
@@ -30,7 +30,7 @@ class Writer:
     def __init__(self, search: RegionSearch, instance: Instance) -> None:
         self.search = search
         self.problem = problem_of(format_instance(instance))
-        self.regions = Regions(self.problem)
+        self.regions = regions_of(self.problem)
 
     def proof(self, length: Fraction) -> dict[str, Any]:
         """Return the proof that tours are at least ``length`` mm long.

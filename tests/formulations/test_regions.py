@@ -178,7 +178,7 @@ def test_progress_closes_in():
 
 def test_a_good_start_is_used():
     plate = scattered(40)
-    best = solve(plate, FREE, time_limit=3.0).plan
+    best = solve(plate, FREE, time_limit=1.0).plan
     again = solve(plate, FREE, time_limit=0.01, start=best)
     assert again.value <= evaluate(plate, best).total_travel_mm + 1e-6
 
