@@ -17,7 +17,8 @@ from cutgap.instances.formats.json_format import format_instance
 
 PRECISIONS = ((1e-2, 10**2), (1e-3, 10**3), (1e-4, 10**5), (1e-6, 10**7), (1e-8, 10**9), (1e-11, 10**13))
 """Relative precision of a leaf's multipliers, and the scale of their integers."""
-MOST_CHARACTERS = 30_000_000
+MOST_NUMBERS = 5_000_000
+"""Of all leaves; a checker reads 40 million characters, and a number takes about six."""
 
 
 class TreeTooLargeError(Exception):
@@ -42,17 +43,15 @@ class Writer:
         """
         root = self.search.root
         assert root is not None
-        nodes: list[Any] = []
-        characters = 0
+        axes, numbers = self.search.shapes.centres.shape[1], 0
         for order, region in self._preorder(root, float(length)):
-            if region >= 0:
-                nodes.append(region)
-                continue
-            leaf = self.leaf(order, length)
-            nodes.append(leaf)
-            characters += sum(len(str(each)) + 1 for each in leaf) + 3
-            if characters > MOST_CHARACTERS:
+            numbers += len(order) * axes if region < 0 else 0
+            if numbers > MOST_NUMBERS:
                 raise TreeTooLargeError
+        nodes = [
+            region if region >= 0 else self.leaf(order, length)
+            for order, region in self._preorder(root, float(length))
+        ]
         return {"kind": "regions", "root": root.order.tolist(), "nodes": nodes}
 
     def _preorder(self, root: Node, length: float) -> Iterator[tuple[Ints, int]]:

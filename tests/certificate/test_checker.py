@@ -11,6 +11,7 @@ from certificate import (  # noqa: F401, they enter their checks
     battery_generalized,
     battery_positive,
     battery_problem,
+    battery_regions,
     battery_rows,
     battery_split,
     battery_whole,

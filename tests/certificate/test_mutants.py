@@ -13,6 +13,7 @@ from certificate import (  # noqa: F401, they enter their checks
     battery_generalized,
     battery_positive,
     battery_problem,
+    battery_regions,
     battery_rows,
     battery_split,
     battery_whole,
@@ -23,9 +24,10 @@ from certificate.mutants import Mutant
 from certificate.mutants_compact import COMPACT
 from certificate.mutants_generalized import GENERALIZED
 from certificate.mutants_positive import POSITIVE
+from certificate.mutants_regions import REGIONS
 from cutgap.formulations import certificate
 
-MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED, *POSITIVE]
+MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED, *POSITIVE, *REGIONS]
 SOURCE = Path(certificate.__file__).parent
 
 
