@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from cutgap.instances import Instance, Plan, Result, Visit
+from cutgap.instances import Contour, Instance, Plan, Result, Visit
 from cutgap.instances.arrays import Floats
 from cutgap.instances.evaluate import require_known
 from cutgap.instances.free_entries import pinned
@@ -24,6 +24,8 @@ HEAD_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 UNCUT = "#808080"
 WIDTH = 7.0
 """Width of figures in inches."""
+REGION_CORNERS = 60
+"""Corners of the polyline that shows a region."""
 DASHED, DOTTED = (0, (4, 3)), (0, (1, 2))
 DOT_AREA = (8.0, 60.0)
 """Area of the smallest and the largest dot, square points."""
@@ -84,7 +86,7 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
 
 def _size(instance: Instance) -> tuple[float, float]:
     """Return width and height in inches that suit the instance's proportions."""
-    curves = [contour.geometry for contour in instance.contours if contour.geometry is not None]
+    curves = [curve for curve in map(_curve, instance.contours) if curve is not None]
     places = np.concatenate([instance.points[:, :2], *curves])
     if len(places) == 0:
         return WIDTH, WIDTH / 2
@@ -131,7 +133,7 @@ def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None) -> None:
 def _draw_outlines(axes: Axes, instance: Instance, colours: list[str]) -> None:
     """Draw the curves, and small dots at the entry points of contours that leave a choice."""
     fineness = _fineness(instance)
-    outlined = [(each, contour.geometry) for each, contour in enumerate(instance.contours)]
+    outlined = [(each, _curve(contour)) for each, contour in enumerate(instance.contours)]
     shown = [(each, curve) for each, curve in outlined if curve is not None]
     edges = [colours[each] for each, _ in shown]
     curves = [curve for _, curve in shown]
@@ -142,6 +144,13 @@ def _draw_outlines(axes: Axes, instance: Instance, colours: list[str]) -> None:
         axes.scatter(
             xs, ys, s=6 * float(np.clip(MOST_CLEAR / len(xs), 0.15, 1.0)), c=UNCUT, linewidths=0, zorder=1.5
         )
+
+
+def _curve(contour: Contour) -> Floats | None:
+    """Return a contour's polyline, else one of what it encloses, shape (k, 2); ``None`` without either."""
+    if contour.geometry is None and contour.region is not None:
+        return contour.region.boundary(REGION_CORNERS)[:, :2]
+    return contour.geometry
 
 
 def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...]) -> None:
