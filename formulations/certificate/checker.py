@@ -9,7 +9,7 @@ The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_ju
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
 head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with precedence and process rules),
 ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``compact`` (any problem, by
-multipliers of the rows of a compact model), ``regions`` (one head, free entries).
+multipliers of the rows of a compact model); with free entries ``regions`` and ``perspective`` (one head).
 """
 
 from dataclasses import dataclass
@@ -20,6 +20,7 @@ from typing import Any
 from cutgap.formulations.certificate.compact import check_compact
 from cutgap.formulations.certificate.contour_dp import check_contours
 from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
+from cutgap.formulations.certificate.perspective import perspective_length
 from cutgap.formulations.certificate.plan import plan_value
 from cutgap.formulations.certificate.problem import Problem, problem_of
 from cutgap.formulations.certificate.proof import Budget, check_tree
@@ -38,6 +39,9 @@ from cutgap.formulations.certificate.rules import Rules, rules_of
 from cutgap.formulations.certificate.split import Cells
 from cutgap.formulations.certificate.tours import TourBounds, prove_tour
 from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
+
+FREE_ENTRIES = ("regions", "perspective")
+"""Kinds of proofs for contours that may be entered anywhere in their regions."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,7 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
     proof, budget = table["proof"], Budget()
     require(isinstance(proof, dict), "proof: expected an object")
     # What holds for given entry points says nothing about a plan that chooses its own.
-    free = proof.get("kind") == "regions"
+    free = proof.get("kind") in FREE_ENTRIES
     asked = "free" if rules.free_entries else "given"
     require(rules.free_entries == free, f"proof: {show(proof.get('kind'))} is no kind for {asked} entries")
     if proof.get("kind") in ("tour", "split", "two-heads"):
@@ -153,9 +157,12 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         # Without costs a value above 0 contradicts weak duality: there is no solution.
         target = 1 if bound is None else multiplier_scale * relaxation.factor * bound
         check_tree(relaxation, table["rows"], table["nodes"], target, budget)
-    elif free:
+    elif proof.get("kind") == "regions":
         require(bound is not None, "regions: proves bounds, not that there is no plan")
         check_regions(regions_of(problem), proof, _length_of(problem, rules, scale, bound or 0), budget)
+    elif proof.get("kind") == "perspective":
+        length = perspective_length(problem, proof, scale, multiplier_scale, budget)
+        _check_worth(problem, rules, length, scale, bound)
     elif proof.get("kind") == "contour-dp":
         require(bound is not None, "contour-dp: proves bounds, not that there is no plan")
         work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))

@@ -35,6 +35,14 @@ class Shape:
     points: tuple[Vector, ...]
     axes: tuple[Vector, ...]
 
+    def least(self, direction: Sequence[int]) -> int:
+        """Return a lower bound on the least direction.x, less than 1 below it."""
+        a, b, c = direction
+        middle = min(a * x + b * y + c * z for x, y, z in self.points)
+        square = sum((a * x + b * y + c * z) ** 2 for x, y, z in self.axes)
+        # The ceiling of a root: isqrt(q - 1) + 1, and 0 of 0.
+        return middle - (isqrt(square - 1) + 1 if square else 0)
+
 
 Region = tuple[Sequence[Point], Sequence[Point]]
 """Points and axes in mm: an ellipsoid around the only point, or without axes the hull of the points."""
