@@ -30,6 +30,13 @@ def _solve_regions(instance: Instance, rules: Rules, **options: Any) -> Result:
     return solve_regions(instance, rules, **options)
 
 
+def _solve_perspective(instance: Instance, rules: Rules, **options: Any) -> Result:
+    """Load cvxpy, which takes a second, when it is asked for."""
+    from cutgap.formulations.perspective_tour import solve_perspective
+
+    return solve_perspective(instance, rules, **options)
+
+
 METHODS: dict[str, Callable[..., Result]] = {
     "tour": solve_tour,
     "contour-dp": solve_contours,
@@ -39,11 +46,12 @@ METHODS: dict[str, Callable[..., Result]] = {
     "free": solve_free,
     "cpsat": _solve_cpsat,
     "regions": _solve_regions,
+    "perspective": _solve_perspective,
 }
 """Exact methods by name; ``auto`` takes CP-SAT, whose bounds are claims, only where no other one applies."""
 
 
-FREE_ENTRIES = ("regions",)
+FREE_ENTRIES = ("regions", "perspective")
 """Methods for contours that may be entered anywhere in their regions."""
 
 

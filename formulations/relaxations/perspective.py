@@ -94,47 +94,45 @@ def edge_ends(regions: int) -> tuple[Ints, Ints]:
 
 
 class Cone:
-    """Rows |vectors| <= bounds, as they are or by tangents  direction.vector <= bound, |direction| = 1.
+    """Rows |vectors| <= bounds, as they are or by tangents  direction.vector <= bound, |direction| <= 1.
 
     Attributes
     ----------
     vectors, bounds
         Expressions of shape (rows, k) and (rows,).
     rows, directions
-        The tangents so far: to which row each belongs, and its direction.
+        The tangents so far: to which row each belongs, and its direction. At first those along the axes.
     """
 
     def __init__(self, vectors: cp.Expression, bounds: cp.Expression) -> None:
         self.vectors, self.bounds = vectors, bounds
-        self.rows: list[Ints] = []
-        self.directions: list[Floats] = []
+        rows, axes = vectors.shape
+        along = np.concatenate((np.eye(axes), -np.eye(axes)))
+        self.rows: list[Ints] = [np.repeat(np.arange(rows), 2 * axes)]
+        self.directions: list[Floats] = [np.tile(along, (rows, 1))]
 
     def exact(self) -> cp.Constraint:
         """Return the cone."""
         return cp.norm(self.vectors, 2, axis=1) <= self.bounds
 
-    def touch(self, vectors: Floats, rows: Ints | None = None) -> None:
-        """Add the tangents at vectors, one for each row; zero vectors have none."""
-        chosen = np.arange(len(vectors)) if rows is None else rows
-        norms = np.linalg.norm(vectors, axis=1)
-        far = norms > FLAT
-        if far.any():
-            self.rows.append(chosen[far])
-            self.directions.append(vectors[far] / norms[far, None])
+    def add(self, rows: Ints, directions: Floats) -> None:
+        """Add tangents, shortened to length 1 where they are longer."""
+        norms = np.linalg.norm(directions, axis=1, keepdims=True)
+        self.rows.append(rows)
+        self.directions.append(directions / np.maximum(1.0, norms))
 
-    def cut_off(self) -> None:
-        """Add tangents where the solution is outside the cone."""
+    def cut_off(self, at_least: float = FLAT) -> None:
+        """Add tangents at the solution, in rows that it breaks by more than this."""
         vectors = self.vectors.value
-        outside = np.linalg.norm(vectors, axis=1) > self.bounds.value + FLAT
-        self.touch(vectors[outside], np.flatnonzero(outside))
+        norms = np.linalg.norm(vectors, axis=1)
+        outside = np.flatnonzero((norms > FLAT) & (norms > self.bounds.value + at_least))
+        self.add(outside, vectors[outside] / norms[outside, None])
 
     def tangents(self) -> list[cp.Constraint]:
-        """Return the tangents so far, and that the bounds are not negative."""
-        if not self.rows:
-            return [self.bounds >= 0]
+        """Return the tangents so far."""
         rows, directions = np.concatenate(self.rows), np.concatenate(self.directions)
-        along = cp.sum(cp.multiply(directions, self.vectors[rows]), axis=1)
-        return [self.bounds >= 0, along <= self.bounds[rows]]
+        along = cp.multiply(directions, self.vectors[rows]) @ np.ones(directions.shape[1])
+        return [along <= self.bounds[rows]]
 
 
 class PerspectiveModel:
@@ -165,7 +163,8 @@ class PerspectiveModel:
         self.steps = cp.Variable((edges, 3), name="d")
         self.lengths = cp.Variable(edges, name="length")
         self.touch = 0.5 * self.at @ self.ends
-        self.cones = [Cone(self.steps, self.lengths)]
+        self.cone_of_steps = Cone(self.steps, self.lengths)
+        self.cones_of: list[list[Cone]] = [[] for _ in regions]
         self.sets: list[frozenset[int]] = []
         self.subtours: list[cp.Constraint] = []
         taken_at_ends = cp.hstack([self.taken, self.taken])
@@ -175,6 +174,11 @@ class PerspectiveModel:
         self.one_point = self._in_regions(self.at.T @ self.touch - self.ends, 1 - taken_at_ends)
         self.linear = [self.degree, self.step, self.taken >= 0, self.taken <= 1]
 
+    @property
+    def cones(self) -> list[Cone]:
+        """All cones."""
+        return [self.cone_of_steps, *chain.from_iterable(self.cones_of)]
+
     def _in_regions(self, points: cp.Expression, scales: cp.Expression) -> list[list[cp.Constraint]]:
         """Return (4) or (5) for each region, but for its cone: its ends' points lie in ``scales`` times it."""
         families = []
@@ -182,7 +186,7 @@ class PerspectiveModel:
             ends = np.flatnonzero(self.owner == number)
             linear, cone = scaled_region(region, points[ends], scales[ends])
             families.append(linear)
-            self.cones += cone
+            self.cones_of[number] += cone
         return families
 
     def add_subtour(self, members: frozenset[int]) -> None:
@@ -201,6 +205,24 @@ class PerspectiveModel:
             self.add_subtour(cut.sets[0])
         return bool(broken)
 
+    def edge(self, u: int, v: int) -> int:
+        """Return the number of the edge between two regions."""
+        return int(np.flatnonzero((self.tails == min(u, v)) & (self.heads == max(u, v)))[0])
+
+    def order(self) -> list[int] | None:
+        """Return the regions in the order of the tour that the solution takes; ``None`` when it is no tour."""
+        chosen = self.taken.value > 0.5
+        neighbours: list[list[int]] = [[] for _ in self.regions]
+        for u, v in zip(self.tails[chosen].tolist(), self.heads[chosen].tolist(), strict=True):
+            neighbours[u].append(v)
+            neighbours[v].append(u)
+        if any(len(each) != 2 for each in neighbours):
+            return None
+        order = [0]
+        while (following := next((v for v in neighbours[order[-1]] if v not in order), None)) is not None:
+            order.append(following)
+        return order if len(order) == self.count else None
+
     def problem(self, *, conic: bool) -> cp.Problem:
         """Return the problem with the subtour constraints so far and cones or their tangents so far."""
         families = [self.linear, self.subtours, *self.inside, *self.one_point]
@@ -215,7 +237,8 @@ def scaled_region(
     count = points.shape[0]
     if isinstance(region, Hull):
         shares = cp.Variable((count, len(region.vertices)))
-        return [points == shares @ region.vertices, shares >= 0, cp.sum(shares, axis=1) == scales], []
+        whole = shares @ np.ones(len(region.vertices)) == scales
+        return [points == shares @ region.vertices, shares >= 0, whole], []
     weights = cp.Variable((count, len(region.axes)))
     return [points == cp.outer(scales, region.centre) + weights @ region.axes], [Cone(weights, scales)]
 
@@ -235,7 +258,7 @@ def relax_perspective(regions: Sequence[Region]) -> Relaxed:
     """
     model = PerspectiveModel(regions, whole=False)
     solve_relaxation(model)
-    return _relaxed(model)
+    return relaxed_solution(model)
 
 
 def solve_relaxation(model: PerspectiveModel) -> None:
@@ -245,8 +268,8 @@ def solve_relaxation(model: PerspectiveModel) -> None:
         model.problem(conic=True).solve(solver=cp.CLARABEL)
 
 
-def _relaxed(model: PerspectiveModel) -> Relaxed:
-    """Return solution and multipliers; those of equations have cvxpy's sign."""
+def relaxed_solution(model: PerspectiveModel) -> Relaxed:
+    """Return solution and multipliers of a solved relaxation; those of equations have cvxpy's sign."""
     shifts = np.zeros((len(model.owner), 3))
     for region, (placed, *_) in enumerate(model.one_point):
         shifts[model.owner == region] = placed.dual_value

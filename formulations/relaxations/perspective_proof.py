@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cutgap.formulations.certificate import problem_of
+from cutgap.formulations.certificate import problem_of, verify
 from cutgap.formulations.certificate.perspective import perspective_length
 from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certify import SCALE, Certificate, certificate_of
@@ -38,3 +38,11 @@ def perspective_certificate(
     work = sum(problem.work(contour, SCALE) for contour in range(len(instance.contours)))
     bound = length + (floor(work) if rules.objective == "makespan" else 0)
     return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, lambda _: (bound, proof))
+
+
+def proved_bound(instance: Instance, certificate: Certificate | None) -> float | None:
+    """Return what a certificate proves, rounded down to a float; ``None`` without one."""
+    if certificate is None:
+        return None
+    bound = verify(certificate, format_instance(instance)).bound
+    return None if bound is None else float(np.nextafter(float(bound), -np.inf))

@@ -162,7 +162,7 @@ def regions_are_those_of_the_file(api: Any) -> None:
     slanted = Contour("d", np.array([[0.0, 0, 7], [10, 0, 8]]), 1.0, geometry=curve)
     for bad in (slanted, Contour("d", two, 1.0)):
         other = replace(instance, contours=(*contours, bad))
-        with pytest.raises(api.Refused, match="d.*(differ in z|no region)"):
+        with pytest.raises(api.Refused, match=r"d.*(differ in z|no region)"):
             api.regions.regions_of(api.problem_of(document_of(other)))
 
 
