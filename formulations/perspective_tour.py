@@ -21,7 +21,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import Literal
+from typing import Any, Literal
 
 import cvxpy as cp
 import numpy as np
@@ -93,7 +93,7 @@ def solve_perspective(
     if solver == "scip" and find_spec("pyscipopt") is None:
         raise ValueError("solver scip: not installed; pip install 'pyscipopt>=5'")
     search = PerspectiveSearch(instance, rules, regions, begun, time_limit, watch)
-    closed = search.run(start, solver)
+    reason = search.run(start, solver)
     bound: float | None = search.objective(min(search.bound, search.length))
     certificate = None
     if certify and search.relaxed is not None:
@@ -106,7 +106,7 @@ def solve_perspective(
         method=NAME,
         seconds=time.perf_counter() - begun,
         lower_bound=bound,
-        reason=None if closed else "stopped early",
+        reason=reason,
     )
     return replace(result, certificate=certificate)
 
@@ -127,9 +127,9 @@ def tour_regions(instance: Instance, rules: Rules) -> list[Region]:
         raise ValueError(f"{name}: needs one head, got {len(instance.heads)}")
     if instance.machine.metric != "euclidean":
         raise ValueError(f"{name}: needs the metric euclidean, got {instance.machine.metric}")
+    if rules.via_points:
+        raise ValueError(f"{name}: does not take via points")
     home = instance.heads[0].home
-    if rules.via_points and home is not None:
-        raise ValueError(f"{name}: does not take via points of a head with a home")
     regions = [region_of(instance, contour) for contour in range(len(instance.contours))]
     return regions if home is None else [*regions, point_region(home)]
 
@@ -154,20 +154,20 @@ class PerspectiveSearch:
         self.length, self.bound = np.inf, 0.0
         self.relaxed: Relaxed | None = None
 
-    def run(self, start: Plan | None, solver: Solver) -> bool:
-        """Close the gap; False when the time ended before."""
+    def run(self, start: Plan | None, solver: Solver) -> str | None:
+        """Close the gap; return why it is open, if it is."""
+        goes_on = True
         try:
             if start is not None and not check(self.instance, self.rules, start):
                 self._offer(start)
             self._relax()
-            while not self.closed and time.perf_counter() < self.deadline:
-                if solver == "highs":
-                    self._linear_round()
-                elif self._conic_round():
-                    return True
+            while goes_on and not self.closed and time.perf_counter() < self.deadline:
+                goes_on = self._linear_round() if solver == "highs" else self._conic_round()
         except KeyboardInterrupt:
-            pass
-        return self.closed
+            return "stopped early"
+        if self.closed:
+            return None
+        return "stopped early" if time.perf_counter() >= self.deadline else "closed to the solver's tolerance"
 
     @property
     def closed(self) -> bool:
@@ -211,32 +211,33 @@ class PerspectiveSearch:
                 break
             least = self.length
 
-    def _linear_round(self) -> None:
-        """Solve the linear model; learn its bound, and cut its solution off."""
+    def _linear_round(self) -> bool:
+        """Learn the linear model's bound and cut its solution off; False when nothing is left to cut."""
         problem, left = self.model.problem(conic=False), self.deadline - time.perf_counter()
         options = {} if left == np.inf else {"time_limit": max(0.0, left)}
         tolerances = dict.fromkeys(("primal_feasibility_tolerance", "mip_feasibility_tolerance"), TOLERANCE)
-        problem.solve(solver=cp.HIGHS, mip_rel_gap=CLOSED / 10, **tolerances, **options)
+        solve_quietly(problem, solver=cp.HIGHS, mip_rel_gap=CLOSED / 10, **tolerances, **options)
         self._raise(float(problem.solver_stats.extra_stats.mip_dual_bound) * self.model.size)
-        if problem.status == cp.OPTIMAL and not self.model.add_broken_subtours():
-            for cone in self.model.cones:
-                cone.cut_off()
-            self._take_solution()
+        if problem.status != cp.OPTIMAL:
+            return False
+        if self.model.add_broken_subtours():
+            return True
+        broken = [cone.cut_off(10 * TOLERANCE) for cone in self.model.cones]
+        self._take_solution()
+        return any(broken)
 
     def _conic_round(self) -> bool:
-        """Solve the conic model; True when its solution is a tour, and the best one."""
+        """Solve the conic model; False when its solution is a tour, and so the best one."""
         problem, left = self.model.problem(conic=True), self.deadline - time.perf_counter()
         options = {} if left == np.inf else {"limits/time": max(0.0, left)}
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # cvxpy calls whatever SCIP's time ended inaccurate
-            problem.solve(solver=cp.SCIP, scip_params=options)
+        solve_quietly(problem, solver=cp.SCIP, scip_params=options)
         if problem.status != cp.OPTIMAL:
             return False
         self._raise(float(problem.value) * self.model.size)
         if self.model.add_broken_subtours():
-            return False
+            return True
         self._take_solution()
-        return True
+        return False
 
     def _take_solution(self) -> None:
         order = self.model.order()
@@ -275,6 +276,13 @@ class PerspectiveSearch:
         value = None if self.plan is None else self.objective(self.length)
         bound = self.objective(min(self.bound, self.length))
         self.watch(Progress(time.perf_counter() - self.begun, value, bound))
+
+
+def solve_quietly(problem: cp.Problem, **options: Any) -> None:
+    """Solve without the warning that a run which reached its time limit is inaccurate: its status says so."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        problem.solve(**options)
 
 
 def shortest_in_order(model: PerspectiveModel, order: Sequence[int]) -> tuple[Floats, Floats]:

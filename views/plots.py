@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -24,11 +25,13 @@ HEAD_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 UNCUT = "#808080"
 WIDTH = 7.0
 """Width of figures in inches."""
-REGION_CORNERS = 60
-"""Corners of the polyline that shows a region."""
 DASHED, DOTTED = (0, (4, 3)), (0, (1, 2))
 DOT_AREA = (8.0, 60.0)
 """Area of the smallest and the largest dot, square points."""
+FILL = 0.12
+"""Opacity of regions that may be entered anywhere."""
+OUTLINE_CORNERS = 90
+"""Corners of the polyline that is drawn for an ellipse."""
 MOST_NUMBERED = 40
 """Contours of a tour that are numbered; more numbers cannot be read."""
 MOST_CLEAR = 100
@@ -62,6 +65,8 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
         raise ValueError(f"instance {instance.name!r} has a matrix but no coordinates: nothing to draw")
     if plan is not None:
         require_known(instance, plan)
+    free = plan is not None and any(visit.point is not None for tour in plan.tours for visit in tour)
+    if plan is not None:
         instance, plan = pinned(instance, plan)
     width, height = _size(instance)
     figure = Figure(figsize=(width, height))
@@ -74,7 +79,7 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
     axes.set(xlabel="x [mm]", ylabel="y [mm]")
     axes.set_title(title or instance.name, loc="left", fontsize=10)
     axes.margins(0.04)
-    _draw_contours(axes, instance, plan)
+    _draw_contours(axes, instance, plan, filled=free)
     if plan is not None:
         for head, tour in enumerate(plan.tours):
             _draw_tour(axes, instance, head, tour)
@@ -86,12 +91,19 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
 
 def _size(instance: Instance) -> tuple[float, float]:
     """Return width and height in inches that suit the instance's proportions."""
-    curves = [curve for curve in map(_curve, instance.contours) if curve is not None]
-    places = np.concatenate([instance.points[:, :2], *curves])
+    curves = [outline(contour) for contour in instance.contours]
+    places = np.concatenate([instance.points[:, :2], *(curve for curve in curves if curve is not None)])
     if len(places) == 0:
         return WIDTH, WIDTH / 2
     width, height = np.ptp(places, axis=0)
     return WIDTH, float(np.clip(WIDTH * height / width if width > 0 else WIDTH, 2.0, WIDTH)) + 1.1
+
+
+def outline(contour: Contour) -> Floats | None:
+    """Return the curve that is drawn, a closed polyline of shape (k, 2); of a region in space its shadow."""
+    if contour.geometry is not None or contour.region is None:
+        return contour.geometry
+    return contour.region.boundary(OUTLINE_CORNERS)[:, :2]
 
 
 def _fineness(instance: Instance) -> float:
@@ -103,9 +115,10 @@ def _colour(head: int) -> str:
     return HEAD_COLOURS[head % len(HEAD_COLOURS)]
 
 
-def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None) -> None:
+def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None, *, filled: bool) -> None:
     """Draw outlines where there are any, entry points to choose from, and dots where contours are pierced.
 
+    Outlines are filled when the contours may be entered anywhere inside.
     Dots without an outline are sized by perimeter; without a plan they stand at entry point 0.
     """
     owner = {
@@ -120,37 +133,32 @@ def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None) -> None:
         head, entry = owner.get(index, (-1, 0))
         colours.append(_colour(head) if head >= 0 else UNCUT)
         points.append(contour.entry_points[entry, :2])
-        share = contour.perimeter / largest if contour.geometry is None else 0.25 * fineness**2
+        curve = outline(contour)
+        share = contour.perimeter / largest if curve is None else 0.25 * fineness**2
         # Where there is a choice and none is made, no entry point stands out.
-        chosen = head >= 0 or contour.geometry is None
+        chosen = head >= 0 or curve is None
         areas.append(DOT_AREA[0] + share * (DOT_AREA[1] - DOT_AREA[0]) if chosen else 0.0)
     if points:
         xs, ys = np.transpose(points)
         axes.scatter(xs, ys, s=areas, c=colours, linewidths=0, zorder=3)
-    _draw_outlines(axes, instance, colours)
+    _draw_outlines(axes, instance, colours, filled=filled)
 
 
-def _draw_outlines(axes: Axes, instance: Instance, colours: list[str]) -> None:
+def _draw_outlines(axes: Axes, instance: Instance, colours: list[str], *, filled: bool) -> None:
     """Draw the curves, and small dots at the entry points of contours that leave a choice."""
     fineness = _fineness(instance)
-    outlined = [(each, _curve(contour)) for each, contour in enumerate(instance.contours)]
+    outlined = [(each, outline(contour)) for each, contour in enumerate(instance.contours)]
     shown = [(each, curve) for each, curve in outlined if curve is not None]
     edges = [colours[each] for each, _ in shown]
     curves = [curve for _, curve in shown]
-    axes.add_collection(PolyCollection(curves, facecolors="none", edgecolors=edges, linewidths=1.4 * fineness))
+    faces = [to_rgba(colour, FILL) for colour in edges] if filled else "none"
+    axes.add_collection(PolyCollection(curves, facecolors=faces, edgecolors=edges, linewidths=1.4 * fineness))
     choices = [contour.entry_points[:, :2] for contour in instance.contours if len(contour.entry_points) > 1]
     if choices:
         xs, ys = np.concatenate(choices).T
         axes.scatter(
             xs, ys, s=6 * float(np.clip(MOST_CLEAR / len(xs), 0.15, 1.0)), c=UNCUT, linewidths=0, zorder=1.5
         )
-
-
-def _curve(contour: Contour) -> Floats | None:
-    """Return a contour's polyline, else one of what it encloses, shape (k, 2); ``None`` without either."""
-    if contour.geometry is None and contour.region is not None:
-        return contour.region.boundary(REGION_CORNERS)[:, :2]
-    return contour.geometry
 
 
 def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...]) -> None:
@@ -167,7 +175,7 @@ def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...
             axes.plot(ends[:, 0], ends[:, 1], color=colour, linewidth=1.0, linestyle=DASHED, zorder=2)
     fineness = _fineness(instance)
     # Thinner than what is cut.
-    width = fineness * (1.1 if all(contour.geometry is None for contour in instance.contours) else 0.7)
+    width = fineness * (1.1 if all(outline(contour) is None for contour in instance.contours) else 0.7)
     axes.plot(inner[:, 0], inner[:, 1], color=colour, linewidth=width, zorder=2)
     _draw_arrows(axes, points, colour, fineness)
     if len(tour) <= MOST_NUMBERED:

@@ -121,12 +121,13 @@ class Cone:
         self.rows.append(rows)
         self.directions.append(directions / np.maximum(1.0, norms))
 
-    def cut_off(self, at_least: float = FLAT) -> None:
-        """Add tangents at the solution, in rows that it breaks by more than this."""
+    def cut_off(self, at_least: float = FLAT) -> bool:
+        """Add tangents at the solution, in rows that it breaks by more than this; False when there are none."""
         vectors = self.vectors.value
         norms = np.linalg.norm(vectors, axis=1)
         outside = np.flatnonzero((norms > FLAT) & (norms > self.bounds.value + at_least))
         self.add(outside, vectors[outside] / norms[outside, None])
+        return len(outside) > 0
 
     def tangents(self) -> list[cp.Constraint]:
         """Return the tangents so far."""

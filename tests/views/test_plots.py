@@ -8,7 +8,8 @@ from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.colors import to_hex
 from oracles.random_instances import random_instance
 
-from cutgap.instances import Contour, Head, Instance, Plan
+from cutgap.instances import Contour, Head, Instance, Plan, Visit
+from cutgap.instances.region import Ellipsoid
 from cutgap.views.plots import HEAD_COLOURS, MOST_NUMBERED, gap_figure, plan_figure
 
 
@@ -54,6 +55,24 @@ def test_the_partition_line_lies_between_the_ranges(instance):
     xs = np.sort(instance.points[:6, 0])
     upright = [line.get_xdata() for line in lines(figure) if len(set(line.get_xdata())) == 1]
     assert any(np.allclose(data, (xs[1] + xs[2]) / 2) for data in upright)
+
+
+def test_regions_that_are_entered_anywhere_are_filled():
+    regions = [Ellipsoid(np.array([x, 0.0, 0.0]), 10 * np.eye(3)[:2]) for x in (0.0, 50.0, 100.0)]
+    holes = [Contour(f"c{i}", each.centre[None], 63.0, region=each) for i, each in enumerate(regions)]
+    instance = Instance("discs", tuple(holes), (Head("h"),))
+    touched = Plan(
+        (tuple(Visit(i, 0, tuple(region.centre + 10 * np.eye(3)[1])) for i, region in enumerate(regions)),)
+    )
+    for plan in (touched, Plan.of_contours([range(3)])):
+        figure = plan_figure(instance, plan)
+        (drawn,) = (each for each in figure.axes[0].collections if len(each.get_paths()) == 3)
+        for region, path in zip(regions, drawn.get_paths(), strict=True):
+            distances = np.linalg.norm(path.vertices - region.centre[:2], axis=1)
+            assert distances == pytest.approx(np.full(len(distances), 10.0))
+        assert (len(drawn.get_facecolors()) == 0) == (plan is not touched)
+        height = 10.0 if plan is touched else 0.0
+        assert set(drawn_points(figure, HEAD_COLOURS[0])[:, 1]) == {height}
 
 
 def test_instances_without_plan_or_contours_are_drawn(instance):
