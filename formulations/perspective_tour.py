@@ -10,8 +10,8 @@ The model is that of ``relaxations.perspective``, for at most ``MOST_WHOLE`` reg
 The tangents of a tour are multipliers u of its own problem, the shortest way in its order: with them the linear
 model knows how long this tour is. The rounds end when value and bound differ by ``CLOSED``.
 
-Such bounds are the solver's, within its tolerance: for HiGHS 1e-9 of the extent in each row, for SCIP 1e-6. A
-certificate proves the bound of the relaxation, so with a certificate that is the bound of the result.
+Such bounds are the solver's, within its tolerance: for HiGHS 1e-9 of the extent in each row, for SCIP 1e-6. The
+bound of the relaxation is proved in exact arithmetic; with a certificate it is the bound of the result.
 
 Source: Duran and Grossmann (1986) for outer approximation.
 """
@@ -33,7 +33,11 @@ from cutgap.formulations.relaxations.perspective import (
     scaled_region,
     solve_relaxation,
 )
-from cutgap.formulations.relaxations.perspective_proof import perspective_certificate, proved_bound
+from cutgap.formulations.relaxations.perspective_proof import (
+    perspective_certificate,
+    proved_bound,
+    proved_length,
+)
 from cutgap.formulations.scope import require_any_order
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude, evaluate
 from cutgap.instances.arrays import Floats
@@ -70,7 +74,8 @@ def solve_perspective(
     Parameters
     ----------
     time_limit
-        Seconds after which the best plan and the bound so far are returned; Ctrl-C does the same after a round.
+        Seconds after which the best plan and the bound so far are returned, but not before the relaxation's
+        are there. Ctrl-C does the same after a round.
     start
         A plan to start from; one that breaks rules is ignored.
     certify
@@ -185,7 +190,7 @@ class PerspectiveSearch:
         relaxation = PerspectiveModel(self.regions, whole=False)
         solve_relaxation(relaxation)
         self.relaxed = relaxed_solution(relaxation)
-        self._raise(self.relaxed.value * (1.0 - CLOSED))
+        self._raise(proved_length(self.instance, self.relaxed.prices))
         for cone in relaxation.cones:
             cone.cut_off(-np.inf)
         for _ in range(LINEAR_ROUNDS):
@@ -247,12 +252,12 @@ class PerspectiveSearch:
     def _take(self, order: list[int]) -> Floats:
         """Find the shortest way in an order, offer it as a plan, add its tangents and return its points, mm."""
         model = self.model
-        points, multipliers = shortest_in_order(model, order)
-        for place, region in enumerate(order):
+        scaled, multipliers = shortest_in_order(model, order)
+        for place in range(len(order)):
             pull = multipliers[place - 1] - multipliers[place]
             add_tangents(model, order, place, multipliers[place], pull)
-            near = self.regions[region].nearest(model.origin + model.size * points[place])
-            points[place] = near
+        solved = model.origin + model.size * scaled
+        points = np.array([self.regions[v].nearest(p) for v, p in zip(order, solved, strict=True)])
         home = len(self.instance.contours)
         turn = order.index(home) + 1 if home in order else 0
         stops = [*range(turn, len(order)), *range(turn)]

@@ -29,15 +29,24 @@ def perspective_proof(prices: Prices) -> dict[str, Any]:
     }
 
 
+def proved_length(instance: Instance, prices: Prices) -> float:
+    """Return what the prices prove of the tour's length, mm, in exact arithmetic and then rounded down."""
+    return float(np.nextafter(_whole_length(instance, perspective_proof(prices)) / SCALE, -np.inf))
+
+
 def perspective_certificate(
     instance: Instance, rules: Rules, plan: Plan | None, prices: Prices
 ) -> Certificate | None:
     """Return a verified certificate of the best bound that the prices prove, or ``None``."""
     problem, proof = problem_of(format_instance(instance)), perspective_proof(prices)
-    length = perspective_length(problem, proof, SCALE, MULTIPLIER_SCALE, Budget())
     work = sum(problem.work(contour, SCALE) for contour in range(len(instance.contours)))
-    bound = length + (floor(work) if rules.objective == "makespan" else 0)
+    bound = _whole_length(instance, proof) + (floor(work) if rules.objective == "makespan" else 0)
     return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, lambda _: (bound, proof))
+
+
+def _whole_length(instance: Instance, proof: dict[str, Any]) -> int:
+    problem = problem_of(format_instance(instance))
+    return perspective_length(problem, proof, SCALE, MULTIPLIER_SCALE, Budget())
 
 
 def proved_bound(instance: Instance, certificate: Certificate | None) -> float | None:
