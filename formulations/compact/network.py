@@ -146,7 +146,7 @@ class Network:
         """Return x of a tour, ``None`` when it takes a leg that there is none of."""
         legs = zip(self.tails.tolist(), self.heads.tolist(), self.closing.tolist(), strict=True)
         place = {key: leg for leg, key in enumerate(legs)}
-        nodes = [self.instance.node(*visit) for visit in tour]
+        nodes = [self.instance.node(*visit[:2]) for visit in tour]
         home = self.instance.home_node(self.head)
         keys = [(*pair, False) for pair in pairwise(nodes)]
         if nodes:

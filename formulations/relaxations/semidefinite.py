@@ -31,7 +31,7 @@ def solve(problem: cp.Problem) -> Size:
     tolerances = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), TOLERANCE)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # an inaccurate dual is safe as well, it only proves less
-        problem.solve(solver=cp.CLARABEL, max_threads=1, **tolerances)  # type: ignore[no-untyped-call]
+        problem.solve(solver=cp.CLARABEL, max_threads=1, **tolerances)
     if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE, cp.INFEASIBLE):
         raise RuntimeError(f"semidefinite program: Clarabel stopped with status {problem.status}")
     return Size(rows.shape[1], rows.shape[0], rows.nnz)

@@ -124,7 +124,7 @@ def terms_of(problem: Any, instance: Instance, plan: Plan, evaluation: Evaluatio
     terms: Counter[Any] = Counter({("p", h, i): n for h in range(len(plan.tours)) for i in range(n)})
     terms["makespan",], terms["imbalance",] = evaluation.makespan_s * unit, evaluation.imbalance_s * unit
     for h, tour in enumerate(plan.tours):
-        nodes = [instance.node(*visit) for visit in tour]
+        nodes = [instance.node(*visit[:2]) for visit in tour]
         stops = [-1, *(visit.contour for visit in tour), -1]
         for t, (i, j) in enumerate(pairwise(stops) if tour else ()):
             terms["y", h, i, j] = terms["w", h, t, i, j] = 1
