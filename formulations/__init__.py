@@ -1,19 +1,71 @@
-"""Models and bounds.
+"""Models and bounds: what docs/formulations-api.md lists, each with an example.
 
-The solvers are loaded on first use, so that the checker of certificates runs without them and without numpy.
+Names are loaded on first use, so that the checker of certificates runs without solvers and without numpy.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cutgap.formulations.certificate import verify
+    from cutgap.formulations.compact import TOUR_FORMULATIONS, compact_model
+    from cutgap.formulations.compact_bound import certified_bound, linear_bound
     from cutgap.formulations.front_door import METHODS, choose, resolve, solve
+    from cutgap.formulations.pareto import pareto_front
+    from cutgap.formulations.perspective_tour import perspective_bound
+    from cutgap.formulations.relaxations.assignment import assignment, two_matching
+    from cutgap.formulations.relaxations.bisection import bisection
+    from cutgap.formulations.relaxations.connectivity import connectivity
+    from cutgap.formulations.relaxations.cycle_distances import cycle_distances
+    from cutgap.formulations.relaxations.held_karp import held_karp, one_tree
+    from cutgap.formulations.relaxations.touring import shortest_in_order
+    from cutgap.formulations.rungs import LADDER, ladder
 
-__all__ = ["METHODS", "choose", "resolve", "solve"]
+_HOMES = {
+    "certificate": ("verify",),
+    "compact": ("TOUR_FORMULATIONS", "compact_model"),
+    "compact_bound": ("certified_bound", "linear_bound"),
+    "front_door": ("METHODS", "choose", "resolve", "solve"),
+    "pareto": ("pareto_front",),
+    "perspective_tour": ("perspective_bound",),
+    "relaxations.assignment": ("assignment", "two_matching"),
+    "relaxations.bisection": ("bisection",),
+    "relaxations.connectivity": ("connectivity",),
+    "relaxations.cycle_distances": ("cycle_distances",),
+    "relaxations.held_karp": ("held_karp", "one_tree"),
+    "relaxations.touring": ("shortest_in_order",),
+    "rungs": ("LADDER", "ladder"),
+}
+"""Public names by the module that defines them."""
+
+__all__ = [
+    "LADDER",
+    "METHODS",
+    "TOUR_FORMULATIONS",
+    "assignment",
+    "bisection",
+    "certified_bound",
+    "choose",
+    "compact_model",
+    "connectivity",
+    "cycle_distances",
+    "held_karp",
+    "ladder",
+    "linear_bound",
+    "one_tree",
+    "pareto_front",
+    "perspective_bound",
+    "resolve",
+    "shortest_in_order",
+    "solve",
+    "two_matching",
+    "verify",
+]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the front door when one of its names is asked for."""
-    if name in __all__:
-        return getattr(import_module("cutgap.formulations.front_door"), name)
+    """Load a public name when it is asked for."""
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"cutgap.formulations.{module}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

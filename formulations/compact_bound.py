@@ -14,12 +14,15 @@ that they add up to no more than its cost. What the integers prove is computed e
 from collections.abc import Mapping
 from dataclasses import asdict
 from fractions import Fraction
-from math import floor, inf, isfinite, nextafter
+from math import floor, isfinite
+from time import perf_counter
 from typing import Any
 
 from cutgap.formulations.certificate import CompactRows, compact_value, problem_of, rules_of
 from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certify import SCALE, Certificate, certificate_of
+from cutgap.formulations.compact import compact_model
+from cutgap.formulations.relaxations.bound import RelaxationBound, float_below
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.formats.json_format import format_instance
 
@@ -80,7 +83,26 @@ def certified_bound(
             certificate = certificate_of(instance, rules, shown, MULTIPLIER_SCALE, lambda _: (bound, proof))
     assert certificate is not None, "the checker values the same multipliers"
     unit = SCALE * problem.v_jump if rules.objective == "makespan" else Fraction(SCALE)
-    return _rounded_down(bound / unit), certificate
+    return float_below(bound / unit), certificate
+
+
+def linear_bound(
+    instance: Instance, rules: Rules, *, formulation: str, time_limit: float | None = None
+) -> RelaxationBound:
+    """Return the certified bound of a compact model's relaxation; the options are those of ``compact_model``.
+
+    Raises
+    ------
+    ValueError
+        When the model does not apply, or the solver ends without multipliers.
+    """
+    begun = perf_counter()
+    model = compact_model(instance, rules, formulation)
+    relaxation = model.relax(time_limit=time_limit, with_clock=False)
+    if relaxation.value is None:
+        raise ValueError(f"instance {instance.name!r}, {formulation}: no bound, {relaxation.reason}")
+    bound, certificate = certified_bound(instance, rules, formulation, relaxation.multipliers)
+    return RelaxationBound(formulation, bound, *relaxation.size, perf_counter() - begun, certificate)
 
 
 def _integers(rows: CompactRows, multipliers: Mapping[RowName, float]) -> list[list[Any]]:
@@ -101,9 +123,3 @@ def _integers(rows: CompactRows, multipliers: Mapping[RowName, float]) -> list[l
         if integer != 0:
             pairs.append([row, integer])
     return pairs
-
-
-def _rounded_down(value: Fraction) -> float:
-    """Return the largest float that is not above a value."""
-    nearest = float(value)
-    return nearest if Fraction(nearest) <= value else nextafter(nearest, -inf)

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from cutgap.formulations.assignment import Divisions
 from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
 from cutgap.formulations.branch_and_cut.model import Fixing
 from cutgap.formulations.branch_and_cut.two_heads import TwoHeadsModel
 from cutgap.formulations.certify import SCALE, Certificate, Rows, certificate_of, flat_tree, two_heads_family
+from cutgap.formulations.divisions import Divisions
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Sides
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude

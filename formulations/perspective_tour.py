@@ -26,6 +26,7 @@ from typing import Any, Literal
 import cvxpy as cp
 import numpy as np
 
+from cutgap.formulations.relaxations.bound import RelaxationBound
 from cutgap.formulations.relaxations.perspective import (
     PerspectiveModel,
     Relaxed,
@@ -137,6 +138,28 @@ def tour_regions(instance: Instance, rules: Rules) -> list[Region]:
     home = instance.heads[0].home
     regions = [region_of(instance, contour) for contour in range(len(instance.contours))]
     return regions if home is None else [*regions, point_region(home)]
+
+
+def perspective_bound(instance: Instance, rules: Rules, *, time_limit: float | None = None) -> RelaxationBound:
+    """Return the certified bound of the perspective relaxation; the time limit is not looked at.
+
+    Raises
+    ------
+    ValueError
+        When entry points are given, or the model does not apply.
+    """
+    begun = time.perf_counter()
+    regions = tour_regions(instance, rules)
+    model = PerspectiveModel(regions, whole=False)
+    solve_relaxation(model)
+    certificate = perspective_certificate(instance, rules, None, relaxed_solution(model).prices)
+    bound = proved_bound(instance, certificate)
+    if certificate is None or bound is None:
+        raise ValueError(f"instance {instance.name!r}, perspective: no bound, its prices prove nothing")
+    rows = model.problem(conic=True).get_problem_data(cp.CLARABEL)[0]["A"]
+    return RelaxationBound(
+        "perspective", bound, rows.shape[1], rows.shape[0], rows.nnz, time.perf_counter() - begun, certificate
+    )
 
 
 class PerspectiveSearch:

@@ -36,3 +36,9 @@ def require_symmetric(instance: Instance, method: str) -> None:
     """Raise ``ValueError`` when rapid lengths differ by direction."""
     if instance.matrix is not None and (instance.matrix != instance.matrix.T).any():
         raise ValueError(f"instance {instance.name!r}, method {method}: needs symmetric rapid lengths")
+
+
+def require_given_entries(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError`` when contours may be entered anywhere, which bounds for given entry points miss."""
+    if rules.free_entries:
+        raise ValueError(f"instance {instance.name!r}, {method}: takes given entry points, not free entries")

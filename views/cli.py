@@ -27,6 +27,7 @@ COMMANDS = {
     "check": ("cutgap.views.checking:check", "Check a plan against every rule."),
     "pareto": ("cutgap.views.fronts:pareto", "Show how much travel each limit on imbalance costs."),
     "verify": ("cutgap.views.verifying:verify", "Prove a bound again in exact arithmetic, without any solver."),
+    "ladder": ("cutgap.views.ladder:ladder", "Show the bounds of all formulations on one instance."),
     "generate": ("cutgap.views.files:generate", "Draw a random instance of a reference experiment."),
     "convert": ("cutgap.views.files:convert", "Write an instance in another format."),
     "plot": ("cutgap.views.drawing:plot", "Draw an instance, or a plan for it, from above."),

@@ -12,6 +12,7 @@ from cutgap.formulations.compact.relaxing import Relaxation, Size, relax, size_o
 from cutgap.formulations.compact.solvers import require_solver
 from cutgap.formulations.compact.solving import Solving
 from cutgap.formulations.compact.tours import MOST_CONTOURS, RELAXATIONS, TOUR_FORMULATIONS
+from cutgap.formulations.scope import require_given_entries
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.check import require_coordinates
 
@@ -42,7 +43,9 @@ class CompactModel:
         """Return the size of the relaxation; that of ``dfj-rounds`` grows by the sets that ``relax`` finds."""
         return size_of(self.programme()) if self.instance.contours else NOTHING.size
 
-    def relax(self, solver: str = "HIGHS", *, time_limit: float | None = None) -> Relaxation:
+    def relax(
+        self, solver: str = "HIGHS", *, time_limit: float | None = None, with_clock: bool = True
+    ) -> Relaxation:
         """Solve the relaxation.
 
         Parameters
@@ -51,6 +54,8 @@ class CompactModel:
             cvxpy's name of a solver of linear programmes.
         time_limit
             Seconds.
+        with_clock
+            Whether two heads under rules on order know the time; certificates do not.
 
         Raises
         ------
@@ -60,7 +65,7 @@ class CompactModel:
         if not self.instance.contours:
             require_solver(solver, integer=False)
             return NOTHING
-        return relax(self.instance, self.rules, self.formulation, solver, time_limit)
+        return relax(self.instance, self.rules, self.formulation, solver, time_limit, with_clock)
 
     def solve(self, solver: str = "HIGHS", *, time_limit: float | None = None) -> Result:
         """Solve the model; the bound is the solver's claim, as far as ``solving`` says.
@@ -93,8 +98,8 @@ def compact_model(instance: Instance, rules: Rules, formulation: str = "single-c
     Raises
     ------
     ValueError
-        When there are more than two heads, no such formulation, more contours or legs than it takes, or the
-        rules need coordinates or curves that are not there.
+        When there are more than two heads, no such formulation, more contours or legs than it takes, free
+        entries are asked for, or the rules need coordinates or curves that are not there.
     """
     name = f"instance {instance.name!r}, compact model"
     if formulation not in TOUR_FORMULATIONS:
@@ -102,6 +107,7 @@ def compact_model(instance: Instance, rules: Rules, formulation: str = "single-c
         raise ValueError(f"formulation: expected one of {known}, got {formulation!r}")
     if len(instance.heads) > 2:
         raise ValueError(f"{name}: needs one or two heads, got {len(instance.heads)}")
+    require_given_entries(instance, rules, "compact model")
     require_coordinates(instance, rules)
     contours, most = len(instance.contours), MOST_CONTOURS[formulation]
     if contours > most:

@@ -76,10 +76,12 @@ def assemble(
     integer: bool,
     sets: Sets = frozenset(),
     margin_s: float = 0.0,
+    with_clock: bool = True,
 ) -> Programme:
     """Build the model of a problem with a tour formulation, or its relaxation.
 
-    ``sets`` are those that ``dfj-rounds`` has found, ``margin_s`` is what ``clock.late_clear`` says.
+    ``sets`` are those of ``dfj-rounds``, ``margin_s`` is what ``clock.late_clear`` says. Without the
+    clock two heads do not know the time: a relaxation, whose bound a certificate can show.
     """
     heads = tuple(head_variables(network, integer=integer) for network in networks_of(instance, rules))
     families = [*problem.cut_once(heads), *problem.leave_once(instance, rules, heads)]
@@ -89,7 +91,9 @@ def assemble(
         families += enter(head.way, [name for each in sorted(sets) for name in names_of_set(head.way, each)])
     families += _limits(instance, rules, heads)
     if instance.precedence or rules.clear_rapids:
-        families += _order(instance, rules, formulation, heads, margin_s)
+        families += _order(instance, rules, formulation, heads)
+        if len(heads) == 2 and with_clock:
+            families += _times(instance, rules, heads, margin_s)
     objective, rows = _objective(rules, heads)
     return Programme(heads, (*families, *rows), objective)
 
@@ -108,11 +112,9 @@ def _limits(instance: Instance, rules: Rules, heads: tuple[HeadVariables, ...]) 
 
 
 def _order(
-    instance: Instance, rules: Rules, formulation: str, heads: tuple[HeadVariables, ...], margin_s: float
+    instance: Instance, rules: Rules, formulation: str, heads: tuple[HeadVariables, ...]
 ) -> Iterator[Family]:
-    """Rules on what is cut before what, and on two heads the times that they need."""
-    latest = clock.latest_time(heads)
-    start = cp.Variable(len(instance.contours), name="s", bounds=[0, latest])
+    """Rules on what a head cuts before what."""
     for head in heads:
         if formulation not in POSITIONS:
             yield from position(head.way)
@@ -120,12 +122,19 @@ def _order(
             yield from order_rules.precedence(instance, head.way)
         if rules.clear_rapids:
             yield from order_rules.clear(head)
-            if len(heads) == 2:
-                yield from clock.late_clear(instance, start, head, latest, margin_s)
-    if len(heads) == 2:
-        yield from clock.clock(instance, start, heads, latest)
-        if instance.precedence:
-            yield from clock.late(instance, start, latest, margin_s)
+
+
+def _times(
+    instance: Instance, rules: Rules, heads: tuple[HeadVariables, ...], margin_s: float
+) -> Iterator[Family]:
+    """What two heads cut before what, which takes the times of both."""
+    latest = clock.latest_time(heads)
+    start = cp.Variable(len(instance.contours), name="s", bounds=[0, latest])
+    yield from clock.clock(instance, start, heads, latest)
+    if instance.precedence:
+        yield from clock.late(instance, start, latest, margin_s)
+    for head in heads if rules.clear_rapids else ():
+        yield from clock.late_clear(instance, start, head, latest, margin_s)
 
 
 def _objective(rules: Rules, heads: tuple[HeadVariables, ...]) -> tuple[cp.Expression, list[Family]]:

@@ -70,7 +70,12 @@ class Relaxation:
 
 
 def relax(
-    instance: Instance, rules: Rules, formulation: str, solver: str, time_limit: float | None
+    instance: Instance,
+    rules: Rules,
+    formulation: str,
+    solver: str,
+    time_limit: float | None,
+    with_clock: bool = True,
 ) -> Relaxation:
     """Solve a relaxation; see ``CompactModel.relax``."""
     begun = time.perf_counter()
@@ -78,7 +83,7 @@ def relax(
     sets: Sets = frozenset()
     bound, rounds = None, 0
     while True:
-        programme = assemble(instance, rules, formulation, integer=False, sets=sets)
+        programme = assemble(instance, rules, formulation, integer=False, sets=sets, with_clock=with_clock)
         outcome = run(programme.problem(), solver, seconds_left(begun, time_limit), integer=False)
         rounds += 1
         bound = larger(bound, outcome.safe_bound)
