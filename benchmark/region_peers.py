@@ -63,7 +63,11 @@ def gcsopt_tour(instance: Instance, limit_s: float) -> tuple[str, float | None, 
             graph.add_edge(tail, head).add_cost(cp.norm2(start - end))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # cvxpy calls a run that reached its limit inaccurate
-        graph.solve_traveling_salesman(solver=cp.SCIP, scip_params={"limits/time": limit_s})
+        try:
+            graph.solve_traveling_salesman(solver=cp.SCIP, scip_params={"limits/time": limit_s})
+        except ValueError:
+            # A run that ends without a tour leaves the peer nothing to put together.
+            return "stopped", None, perf_counter() - begun
     value = None if graph.value is None else float(graph.value)
     return str(graph.status), value, perf_counter() - begun
 
