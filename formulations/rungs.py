@@ -10,6 +10,8 @@ from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from cutgap.formulations.compact import TOUR_FORMULATIONS
 from cutgap.formulations.compact_bound import linear_bound
 from cutgap.formulations.front_door import solve
@@ -128,6 +130,8 @@ def ladder(
         yield _rung(instance, rules, name, time_limit)
 
 
+# See ``compact.programme.assemble``: the warning comes from cvxpy's sums of any model.
+@np.errstate(invalid="ignore")
 def _rung(instance: Instance, rules: Rules, name: str, time_limit: float | None) -> Rung:
     begun = perf_counter()
     try:

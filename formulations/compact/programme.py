@@ -68,6 +68,8 @@ class MatrixForm:
     upper: Floats
 
 
+# cvxpy adds up unset memory to learn the shape of a sum, which now and then is no number.
+@np.errstate(invalid="ignore")
 def assemble(
     instance: Instance,
     rules: Rules,
