@@ -15,6 +15,7 @@ from cutgap.instances.generate.b_pillars import b_pillars
 from cutgap.instances.generate.door_panel import door_panel
 from cutgap.instances.generate.nest28 import CONTOURS as NEST28_CONTOURS
 from cutgap.instances.generate.nest28 import nest28
+from cutgap.instances.generate.plates import dense_plate, plate
 from cutgap.instances.generate.random_parts import (
     coincident_part,
     collinear_part,
@@ -39,11 +40,13 @@ __all__ = [
     "coincident_part",
     "collinear_part",
     "columns_part",
+    "dense_plate",
     "door_panel",
     "generate",
     "grid_part",
     "nest28",
     "one_column_part",
+    "plate",
     "random_part",
     "staggered_grid_part",
     "tied_part",
@@ -67,6 +70,8 @@ KINDS: dict[str, Kind] = {
     "b-pillars": Kind("four B-pillars side by side", lambda _, rng: b_pillars(rng), pillars.HOLES, fixed=True),
     "door-panel": Kind("door inner panel", lambda _, rng: door_panel(rng), door.HOLES, fixed=True),
     "nest28": Kind("nest of 28 parts", lambda _, rng: nest28(rng), NEST28_CONTOURS, fixed=True),
+    "plate": Kind("polygons, circles and ellipses under heat, on 10 m x 5 m", plate, 30),
+    "dense-plate": Kind("the same, small and close together", dense_plate, 30),
     "ties": Kind("columns of equal x", tied_part, 12),
     "coincident": Kind("half of the holes on top of others", coincident_part, 12),
     "collinear": Kind("all holes on one slanted line", collinear_part, 12),
