@@ -18,6 +18,8 @@ def describe(rules: Rules, heads: int = 2) -> str:
         parts.append(f"imbalance at most {rules.balance:g} s")
     if rules.via_points:
         parts.append("leftmost contour first")
+    if rules.temperature_cap is not None:
+        parts.append(f"no start point above {rules.temperature_cap:g} deg C")
     if rules.empty_heads:
         parts.append("a head may stay without work")
     if rules.free_entries:

@@ -54,6 +54,9 @@ METHODS: dict[str, Callable[..., Result]] = {
 FREE_ENTRIES = ("regions", "perspective")
 """Methods for contours that may be entered anywhere in their regions."""
 
+HEAT = ("heat",)
+"""Methods that know temperatures."""
+
 
 class Choice(NamedTuple):
     """An exact method by name, and why it suits."""
@@ -77,28 +80,15 @@ def choose(instance: Instance, rules: Rules) -> Choice:
     """Return the most special exact method that applies, and why."""
     if rules.free_entries:
         return Choice("regions", "contours that are entered anywhere in their regions")
-    if len(instance.heads) == 1:
-        return _choose_for_one_head(instance, rules)
-    ordered = bool(instance.precedence) or bool(rules.process)
-    symmetric = instance.matrix is None or bool((instance.matrix == instance.matrix.T).all())
-    single = all(len(contour.entry_points) == 1 for contour in instance.contours)
-    if len(instance.heads) > 2 or ordered:
-        return Choice("cpsat", "two heads under precedence or process rules")
-    if not single or not symmetric:
-        special = "entry points" if symmetric else "lengths that differ by direction"
-        if rules.via_points or any(head.home is None for head in instance.heads):
-            return Choice("cpsat", f"two heads, {special}, with via points or without homes")
-        return Choice("contour-split", f"two heads, {special}, in any order")
-    if rules.non_overlap is None:
-        return Choice("free", "two heads whose ranges may overlap")
-    return Choice("split", "two heads whose ranges must not overlap")
+    if rules.speaks_of_heat:
+        return Choice("heat", "temperatures are asked for")
+    return _for_one_head(instance, rules) if len(instance.heads) == 1 else _for_more_heads(instance, rules)
 
 
-def _choose_for_one_head(instance: Instance, rules: Rules) -> Choice:
+def _for_one_head(instance: Instance, rules: Rules) -> Choice:
     ordered = bool(instance.precedence) or bool(rules.process)
-    symmetric = instance.matrix is None or bool((instance.matrix == instance.matrix.T).all())
-    single = all(len(contour.entry_points) == 1 for contour in instance.contours)
-    if single and symmetric and not ordered:
+    symmetric = _is_symmetric(instance)
+    if _has_single_entries(instance) and symmetric and not ordered:
         return Choice("tour", "one head and one entry point for each contour, in any order")
     if rules.via_points:
         return Choice("cpsat", "via points among entry points")
@@ -116,6 +106,28 @@ def _choose_for_one_head(instance: Instance, rules: Rules) -> Choice:
     return Choice("contour-dp", "one head, not too many contours, entry points")
 
 
+def _for_more_heads(instance: Instance, rules: Rules) -> Choice:
+    if len(instance.heads) > 2 or instance.precedence or rules.process:
+        return Choice("cpsat", "two heads under precedence or process rules")
+    symmetric = _is_symmetric(instance)
+    if not _has_single_entries(instance) or not symmetric:
+        special = "entry points" if symmetric else "lengths that differ by direction"
+        if rules.via_points or any(head.home is None for head in instance.heads):
+            return Choice("cpsat", f"two heads, {special}, with via points or without homes")
+        return Choice("contour-split", f"two heads, {special}, in any order")
+    if rules.non_overlap is None:
+        return Choice("free", "two heads whose ranges may overlap")
+    return Choice("split", "two heads whose ranges must not overlap")
+
+
+def _is_symmetric(instance: Instance) -> bool:
+    return instance.matrix is None or bool((instance.matrix == instance.matrix.T).all())
+
+
+def _has_single_entries(instance: Instance) -> bool:
+    return all(len(contour.entry_points) == 1 for contour in instance.contours)
+
+
 def resolve(method: str, instance: Instance, rules: Rules) -> str:
     """Return the name of an exact method; ``auto`` takes the one of ``choose``."""
     if method != "auto" and method not in METHODS:
@@ -126,6 +138,8 @@ def resolve(method: str, instance: Instance, rules: Rules) -> str:
             f"method {name}: its bound holds for given entry points, not for free entries; "
             f"take {' or '.join(FREE_ENTRIES)}"
         )
+    if rules.speaks_of_heat and name not in HEAT:
+        raise ValueError(f"method {name}: does not know temperatures; take {' or '.join(HEAT)}")
     return name
 
 

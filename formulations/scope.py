@@ -42,3 +42,9 @@ def require_given_entries(instance: Instance, rules: Rules, method: str) -> None
     """Raise ``ValueError`` when contours may be entered anywhere, which bounds for given entry points miss."""
     if rules.free_entries:
         raise ValueError(f"instance {instance.name!r}, {method}: takes given entry points, not free entries")
+
+
+def require_no_peak(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError`` when the peak temperature is to be least; a cap alone only forbids plans."""
+    if rules.objective == "peak":
+        raise ValueError(f"instance {instance.name!r}, {method}: does not take the objective peak")

@@ -4,6 +4,7 @@ from collections import Counter
 
 from cutgap.instances.evaluate import Evaluation, evaluate
 from cutgap.instances.free_entries import entries_in_regions, pinned
+from cutgap.instances.heat import require_heat
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan
 from cutgap.instances.process import require_geometry
@@ -36,6 +37,7 @@ def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
         *no_empty_heads(instance, rules, plan),
         *precedence(instance, plan),
         *entries,
+        *temperature(instance, rules, evaluation),
         *process_violations(instance, rules, plan),
     ]
 
@@ -48,6 +50,8 @@ def require_coordinates(instance: Instance, rules: Rules) -> None:
         require_geometry(instance, "clear rapids")
     if rules.free_entries and instance.matrix is not None:
         raise ValueError(f"instance {instance.name!r} has a matrix, which holds no lengths to free entries")
+    if rules.speaks_of_heat:
+        require_heat(instance)
     if instance.located:
         return
     if rules.backward_price > 0:
@@ -92,6 +96,18 @@ def balance(rules: Rules, evaluation: Evaluation) -> list[Violation]:
         return []
     place = f"imbalance {evaluation.imbalance_s:g} s, most {rules.balance:g} s"
     return [Violation("balance", place, excess, "s")]
+
+
+def temperature(instance: Instance, rules: Rules, evaluation: Evaluation) -> list[Violation]:
+    """No start point is warmer than the cap, up to a slack on the rise above ambient."""
+    peak, material = evaluation.peak_temperature_c, instance.material
+    if rules.temperature_cap is None or peak is None or material is None:
+        return []
+    excess = peak - rules.temperature_cap
+    if excess <= TOLERANCE * max(1.0, peak - material.ambient_c):
+        return []
+    place = f"peak {peak:g} deg C, most {rules.temperature_cap:g} deg C"
+    return [Violation("temperature cap", place, excess, "K")]
 
 
 def via_points(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:

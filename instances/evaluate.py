@@ -17,6 +17,7 @@ import numpy as np
 
 from cutgap.instances.arrays import Floats, difference
 from cutgap.instances.free_entries import pinned
+from cutgap.instances.heat import has_heat, peak_temperature
 from cutgap.instances.instance import Instance
 from cutgap.instances.plan import Plan, Visit
 from cutgap.instances.rules import Rules
@@ -39,7 +40,8 @@ class Evaluation:
         Smallest x distance (right minus left, signed) of neighbouring heads over time, all starting
         at once and cutting on the spot; ``None`` for one head, or where a head's position is not known.
     peak_temperature_c
-        Highest start-point temperature; ``None`` without a material.
+        Highest start-point temperature (``heat``), deg C; ``None`` without a material, or where a contour
+        has no curve.
     backward_mm
         B_a of equation (5), per head; 0 where there are no coordinates.
     """
@@ -70,6 +72,10 @@ class Evaluation:
         """Return the value of the objective that the rules name, in ``rules.unit``."""
         if rules.objective == "makespan":
             return self.makespan_s
+        if rules.objective == "peak":
+            if self.peak_temperature_c is None:
+                raise ValueError("objective peak: the instance has no material, or a contour has no geometry")
+            return self.peak_temperature_c
         backward = rules.backward_price * sum(self.backward_mm)
         return self.total_travel_mm + rules.weight * self.imbalance_s + backward
 
@@ -95,6 +101,7 @@ def evaluate(instance: Instance, plan: Plan) -> Evaluation:
         time_s=tuple(times),
         partition_gap_mm=partition_gap(instance, plan),
         separation_mm=smallest_separation(instance, plan),
+        peak_temperature_c=peak_temperature(instance, plan) if has_heat(instance) else None,
         backward_mm=tuple(backward(instance, tour) for tour in plan.tours),
     )
 

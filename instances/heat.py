@@ -51,6 +51,11 @@ def require_heat(instance: Instance) -> Material:
     return instance.material
 
 
+def has_heat(instance: Instance) -> bool:
+    """Whether temperatures can be told: the material and all curves are known."""
+    return instance.material is not None and all(c.geometry is not None for c in instance.contours)
+
+
 def kernel_constant(instance: Instance) -> float:
     """Return k of (4), K s^(1/2): the rise on the curve itself is k / sqrt(t)."""
     material = require_heat(instance)

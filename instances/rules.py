@@ -5,8 +5,8 @@ from typing import Literal
 
 from cutgap.instances.arrays import finite_number
 
-Objective = Literal["makespan", "travel", "weighted"]
-OBJECTIVES: tuple[Objective, ...] = ("makespan", "travel", "weighted")
+Objective = Literal["makespan", "travel", "weighted", "peak"]
+OBJECTIVES: tuple[Objective, ...] = ("makespan", "travel", "weighted", "peak")
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,8 @@ class Rules:
     ----------
     objective
         ``makespan`` (s): the time that the machine waits for; ``travel`` (mm): sum of rapids;
-        ``weighted`` (mm): travel + weight * imbalance.
+        ``weighted`` (mm): travel + weight * imbalance; ``peak`` (deg C): highest start-point temperature
+        (``heat``).
     weight
         Price of one second of imbalance in mm of travel, for ``weighted`` only. Above ``v_jump`` a
         plan can gain by lengthening the shorter tour.
@@ -45,6 +46,8 @@ class Rules:
     free_entries
         A contour may be entered anywhere in its region (``free_entries.region_of``), not at its entry points
         alone.
+    temperature_cap
+        Highest start-point temperature allowed, deg C; ``None`` sets no limit.
     """
 
     objective: Objective = "makespan"
@@ -58,6 +61,7 @@ class Rules:
     clear_rapids: bool = False
     backward_price: float = 0.0
     free_entries: bool = False
+    temperature_cap: float | None = None
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:
@@ -69,10 +73,13 @@ class Rules:
             raise ValueError(f"rules, weight: goes with the objective weighted, not {self.objective}")
         price = finite_number(self.backward_price, "rules, backward_price", least=0.0)
         object.__setattr__(self, "backward_price", price)
-        if price > 0 and self.objective == "makespan":
+        if price > 0 and self.objective not in ("travel", "weighted"):
             raise ValueError(
-                "rules, backward_price: goes with the objectives travel and weighted, not makespan"
+                f"rules, backward_price: goes with the objectives travel and weighted, not {self.objective}"
             )
+        if self.temperature_cap is not None:
+            cap = finite_number(self.temperature_cap, "rules, temperature_cap")
+            object.__setattr__(self, "temperature_cap", cap)
         for name in ("non_overlap", "balance"):
             value = getattr(self, name)
             if value is not None:
@@ -92,4 +99,9 @@ class Rules:
     @property
     def unit(self) -> str:
         """Unit of the objective."""
-        return "s" if self.objective == "makespan" else "mm"
+        return {"makespan": "s", "peak": "deg C"}.get(self.objective, "mm")
+
+    @property
+    def speaks_of_heat(self) -> bool:
+        """Whether temperatures are asked for."""
+        return self.objective == "peak" or self.temperature_cap is not None

@@ -35,7 +35,8 @@ class RuleOptions:
     """What is asked of a plan, instead of what a suite asks for by itself; without a suite, of the defaults."""
 
     objective: Objective | None = None
-    """Time until the last head is done (makespan, by default); sum of rapids; travel + weight * imbalance."""
+    """Time until the last head is done (makespan, by default); sum of rapids; travel + weight * imbalance;
+    highest temperature of a start point (peak)."""
     weight: float | None = None
     """Price of 1 s of imbalance in mm of travel, for the objective weighted."""
     balance: float | None = None
@@ -58,6 +59,8 @@ class RuleOptions:
     """Price in mm of travel of each mm of x that a rapid goes back."""
     free_entries: Choice = None
     """A contour may be entered anywhere in its region, not at its entry points alone."""
+    temperature_cap: float | None = None
+    """Highest temperature of a start point in deg C."""
 
     def rules(self, base: Rules = DEFAULTS) -> Rules:
         """Return ``base`` with what is given put in its place.

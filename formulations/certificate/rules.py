@@ -12,9 +12,9 @@ from cutgap.formulations.certificate.reading import fields, flag, number, requir
 class Rules:
     """What is asked of a plan; fields as in the library's ``Rules``.
 
-    Process rules (``parts_in_one_go`` to ``backward_price``) and ``free_entries`` are optional in a document.
-    Process rules only forbid plans or add to their value, so proofs may leave them out of account. Free entries
-    allow more plans: only proofs of the kind ``regions`` hold for them.
+    Process rules (``parts_in_one_go`` to ``backward_price``), ``free_entries`` and ``temperature_cap`` are
+    optional in a document. Process rules and the cap only forbid plans or add to their value, so proofs may
+    leave them out of account. Free entries allow more plans: few kinds of proofs hold for them.
     """
 
     objective: str
@@ -28,6 +28,7 @@ class Rules:
     clear_rapids: bool
     backward_price: Fraction
     free_entries: bool
+    temperature_cap: Fraction | None
 
 
 def rules_of(value: Any, problem: Problem) -> Rules:
@@ -36,12 +37,13 @@ def rules_of(value: Any, problem: Problem) -> Rules:
         value,
         "rules",
         "objective weight non_overlap balance via_points empty_heads",
-        "parts_in_one_go neighbours_only clear_rapids backward_price free_entries",
+        "parts_in_one_go neighbours_only clear_rapids backward_price free_entries temperature_cap",
     )
     limits = {
         name: None if table[name] is None else number(table[name], f"rules.{name}", least=0)
         for name in ("non_overlap", "balance")
     }
+    cap = table.get("temperature_cap")
     rules = Rules(
         objective=text_of(table["objective"], "rules.objective"),
         weight=number(table["weight"], "rules.weight", least=0),
@@ -52,6 +54,7 @@ def rules_of(value: Any, problem: Problem) -> Rules:
         clear_rapids=flag(table.get("clear_rapids", False), "rules.clear_rapids"),
         backward_price=number(table.get("backward_price", 0), "rules.backward_price", least=0),
         free_entries=flag(table.get("free_entries", False), "rules.free_entries"),
+        temperature_cap=None if cap is None else number(cap, "rules.temperature_cap"),
         **limits,
     )
     require(rules.objective in ("makespan", "travel", "weighted"), "rules.objective: not known")

@@ -12,7 +12,7 @@ from cutgap.formulations.compact.relaxing import Relaxation, Size, relax, size_o
 from cutgap.formulations.compact.solvers import require_solver
 from cutgap.formulations.compact.solving import Solving
 from cutgap.formulations.compact.tours import MOST_CONTOURS, RELAXATIONS, TOUR_FORMULATIONS
-from cutgap.formulations.scope import require_given_entries
+from cutgap.formulations.scope import require_given_entries, require_no_peak
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.check import require_coordinates
 
@@ -108,6 +108,7 @@ def compact_model(instance: Instance, rules: Rules, formulation: str = "single-c
     if len(instance.heads) > 2:
         raise ValueError(f"{name}: needs one or two heads, got {len(instance.heads)}")
     require_given_entries(instance, rules, "compact model")
+    require_no_peak(instance, rules, "compact model")
     require_coordinates(instance, rules)
     contours, most = len(instance.contours), MOST_CONTOURS[formulation]
     if contours > most:

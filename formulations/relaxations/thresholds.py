@@ -28,7 +28,7 @@ from cutgap.formulations.certificate.tours import TourBounds
 from cutgap.formulations.certify import SCALE, certificate_of
 from cutgap.formulations.relaxations.bound import RelaxationBound, Size, float_below
 from cutgap.formulations.relaxations.tour_proof import MULTIPLIER_SCALE, Table, TourRelaxation, prove
-from cutgap.formulations.scope import require_given_entries, require_single_entries
+from cutgap.formulations.scope import require_given_entries, require_no_peak, require_single_entries
 from cutgap.formulations.sides import Sides
 from cutgap.formulations.two_head_bound import objective_bound
 from cutgap.instances import Instance, Rules
@@ -60,6 +60,7 @@ def bound_of_tours(
     """
     started = time.perf_counter()
     require_given_entries(instance, rules, f"relaxation {name}")
+    require_no_peak(instance, rules, f"relaxation {name}")
     require_single_entries(instance, rules, name)
     where = f"instance {instance.name!r}, relaxation {name}"
     if len(instance.heads) > 2:

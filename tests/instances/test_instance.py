@@ -238,7 +238,7 @@ def test_nodes_are_entry_points_then_homes():
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"objective": "speed"}, "rules, objective: .*makespan, travel, weighted, got 'speed'"),
+        ({"objective": "speed"}, "rules, objective: .*makespan, travel, weighted, peak, got 'speed'"),
         ({"objective": "weighted", "weight": -1.0}, "rules, weight: .*at least 0, got -1"),
         ({"objective": "weighted", "weight": float("nan")}, "rules, weight: .*got nan"),
         ({"objective": "travel", "weight": 1.0}, "rules, weight: .*not travel"),
