@@ -1,0 +1,152 @@
+"""One run on an instance: the best allowed plan so far, valued exactly, the clock, and what the watch is told."""
+
+import time
+
+import numpy as np
+
+from cutgap.formulations.heat.annealing import MUCH, anneal, travel_of
+from cutgap.formulations.heat.branching import PEAK, TRAVEL, Limits
+from cutgap.formulations.heat.plates import Plate, plan_of, plate_of, points_of, rise_limit
+from cutgap.instances import Instance, Plan, Rules, check, evaluate
+from cutgap.instances.arrays import Ints
+from cutgap.instances.entry_tours import EntrySearch, entry_task
+from cutgap.instances.progress import Progress, Watch
+
+ROUNDS = 20_000
+"""Moves of a short annealing; the next one is twice as long, up to ``LONGEST`` times."""
+LONGEST = 16
+FIRST_ROUNDS = 50
+"""Rounds per contour of the search for a first plan, without heat."""
+HOT, COLD = 0.03, 1e-4
+"""Temperatures of the annealing, as shares of the objective."""
+PRICES = (0.02, 0.1, 0.5)
+"""Prices of one K, or mm, beyond a limit, as shares of the objective, in turn."""
+
+
+class Run:
+    """The state of one run.
+
+    Attributes
+    ----------
+    most_travel
+        Limit on travel and backward price besides the rules, mm (a point of the front asks for it).
+    best, value
+        The best allowed plan within all limits and its objective in ``rules.unit``.
+    bound
+        Proved bound on every such plan, same unit; ``None`` before there is one.
+    """
+
+    def __init__(
+        self,
+        instance: Instance,
+        rules: Rules,
+        watch: Watch,
+        time_limit: float | None = None,
+        most_travel: float = np.inf,
+    ) -> None:
+        self.instance, self.rules, self.watch = instance, rules, watch
+        self.begun = time.perf_counter()
+        self.deadline = np.inf if time_limit is None else self.begun + time_limit
+        self.most_travel = most_travel
+        self.plate: Plate = plate_of(instance, rules)
+        self.best: Plan | None = None
+        self.value: float | None = None
+        self.bound: float | None = None
+        self.service = float(instance.service_times.sum())
+
+    @property
+    def by_travel(self) -> bool:
+        """Whether the objective is travel, or what follows from it."""
+        return self.rules.objective != "peak"
+
+    @property
+    def seconds(self) -> float:
+        """Since the run began."""
+        return time.perf_counter() - self.begun
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the time has run out."""
+        return time.perf_counter() >= self.deadline
+
+    def limits(self) -> Limits:
+        """Return the limits of a search: travel and rise allowed at most, with their slack."""
+        slack = 1e-11 * max(1.0, self.most_travel) if np.isfinite(self.most_travel) else 0.0
+        return Limits(
+            self.most_travel + slack,
+            rise_limit(self.instance, self.rules),
+            self.instance.machine.v_jump,
+            TRAVEL if self.by_travel else PEAK,
+        )
+
+    def objective(self, internal: float) -> float:
+        """Return the objective, in ``rules.unit``, for travel in mm or the largest rise in K."""
+        if self.by_travel:
+            if self.rules.objective == "makespan":
+                return internal / self.instance.machine.v_jump + self.service
+            return internal
+        assert self.instance.material is not None
+        return self.instance.material.ambient_c + internal
+
+    def internal(self, plan: Plan) -> float:
+        """Return travel (price included) in mm, or the largest rise in K, of a plan."""
+        evaluation = evaluate(self.instance, plan)
+        if self.by_travel:
+            return evaluation.total_travel_mm + self.rules.backward_price * sum(evaluation.backward_mm)
+        assert evaluation.peak_temperature_c is not None and self.instance.material is not None
+        return evaluation.peak_temperature_c - self.instance.material.ambient_c
+
+    @property
+    def cutoff(self) -> float:
+        """The objective of the best plan, inside, less what rounding may add; infinite without a plan."""
+        if self.best is None:
+            return np.inf
+        internal = self.internal(self.best)
+        return internal - 1e-11 * max(1.0, abs(internal))
+
+    def offer(self, plan: Plan) -> bool:
+        """Keep a plan that is within all limits, and better; return whether it is within them."""
+        if check(self.instance, self.rules, plan):
+            return False
+        evaluation = evaluate(self.instance, plan)
+        travel = evaluation.total_travel_mm + self.rules.backward_price * sum(evaluation.backward_mm)
+        if travel > self.limits().travel:
+            return False
+        value = evaluation.objective(self.rules)
+        if self.value is None or value < self.value:
+            self.best, self.value = plan, value
+            self.report()
+        return True
+
+    def report(self) -> None:
+        """Tell the watch."""
+        self.watch(Progress(self.seconds, self.value, self.bound))
+
+    def first_path(self) -> Ints:
+        """Return the points of a short plan that was sought without heat; it may break rules."""
+        rounds = FIRST_ROUNDS * len(self.instance.contours)
+        search = EntrySearch(entry_task(self.instance, self.rules), rounds, rng=np.random.default_rng(0))
+        search.run(rounds)
+        plan = Plan((search.best.visits,))
+        self.offer(plan)
+        return points_of(self.plate, plan)
+
+    def improve(self, seconds: float, seed: int, start: Ints) -> None:
+        """Anneal from plans found so far for so many seconds, or until four long runs found nothing."""
+        rng, until = np.random.default_rng(seed), min(self.deadline, time.perf_counter() + seconds)
+        limits, length, idle, turn = self.limits(), 1, 0, 0
+        while time.perf_counter() < until and idle < 4 and len(start) > 1:
+            path = start.copy() if self.best is None else points_of(self.plate, self.best)
+            if not np.isfinite(travel_of(self.plate, path)):
+                return
+            scale = min(MUCH, max(1e-3, self.internal(plan_of(self.plate, path))))
+            price = PRICES[turn % len(PRICES)] * (scale if self.by_travel else 1.0)
+            value, found = anneal(
+                self.plate, limits, path, price, HOT * scale, COLD * scale, length * ROUNDS, rng
+            )
+            before = self.value
+            if np.isfinite(value):
+                self.offer(plan_of(self.plate, found))
+            better = self.value is not None and (before is None or self.value < before)
+            idle = 0 if better or length < LONGEST else idle + 1
+            length, turn = min(LONGEST, 2 * length), turn + 1
