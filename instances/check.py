@@ -104,7 +104,8 @@ def temperature(instance: Instance, rules: Rules, evaluation: Evaluation) -> lis
     if rules.temperature_cap is None or peak is None or material is None:
         return []
     excess = peak - rules.temperature_cap
-    if excess <= TOLERANCE * max(1.0, peak - material.ambient_c):
+    # By the cap's own rise: an infinite peak would allow itself an infinite slack.
+    if excess <= TOLERANCE * max(1.0, abs(rules.temperature_cap - material.ambient_c)):
         return []
     place = f"peak {peak:g} deg C, most {rules.temperature_cap:g} deg C"
     return [Violation("temperature cap", place, excess, "K")]

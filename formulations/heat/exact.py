@@ -88,7 +88,9 @@ class ExactSearch:
 
     def _note(self, internal: float) -> None:
         """Keep a bound on all plans, which no better plan than the best one contradicts."""
-        internal = min(internal, self.refused, np.inf if self.run.best is None else self.run.internal(self.run.best))
+        internal = min(
+            internal, self.refused, np.inf if self.run.best is None else self.run.internal(self.run.best)
+        )
         if np.isfinite(internal):
             bound = self.run.objective(internal)
             self.run.bound = bound if self.run.bound is None else max(self.run.bound, bound)
