@@ -68,8 +68,8 @@ class Stack(NamedTuple):
     kids: Ints
     keys: Floats
     kid_rise: Floats
-    count: Ints
-    next: Ints
+    kid_count: Ints
+    next_kid: Ints
 
 
 def new_stack(count: int, points: int) -> Stack:
@@ -85,8 +85,8 @@ def new_stack(count: int, points: int) -> Stack:
         kids=np.zeros((rows, points), dtype=np.int64),
         keys=np.zeros((rows, points)),
         kid_rise=np.zeros((rows, points)),
-        count=np.zeros(rows, dtype=np.int64),
-        next=np.zeros(rows, dtype=np.int64),
+        kid_count=np.zeros(rows, dtype=np.int64),
+        next_kid=np.zeros(rows, dtype=np.int64),
     )
 
 
@@ -118,8 +118,8 @@ def bounds_of(plate: Plate, travel: Floats, peak: Floats, warm: np.ndarray) -> B
 def begin(plate: Plate, bounds: Bounds, limits: Limits, stack: Stack, first: int) -> None:
     """Put the first steps on the stack: to all points, or to ``first`` alone when it is not negative."""
     stack.depth[0] = 0
-    stack.count[:] = 0
-    stack.next[:] = 0
+    stack.kid_count[:] = 0
+    stack.next_kid[:] = 0
     for w in range(len(plate.contour_of)):
         if (first < 0 or w == first) and plate.before[plate.contour_of[w]] == 0:
             cut = 1 << plate.contour_of[w]
@@ -131,13 +131,13 @@ def begin(plate: Plate, bounds: Bounds, limits: Limits, stack: Stack, first: int
 @njit(cache=True)
 def _insert(stack: Stack, depth: int, w: int, key: float, rise: float) -> None:
     """Put a child into its place by ascending bound."""
-    place = stack.count[depth]
+    place = stack.kid_count[depth]
     keys, kids, rises = stack.keys[depth], stack.kids[depth], stack.kid_rise[depth]
     while place > 0 and keys[place - 1] > key:
         keys[place], kids[place], rises[place] = keys[place - 1], kids[place - 1], rises[place - 1]
         place -= 1
     keys[place], kids[place], rises[place] = key, w, rise
-    stack.count[depth] += 1
+    stack.kid_count[depth] += 1
 
 
 @njit(cache=True)
@@ -152,13 +152,13 @@ def advance(plate: Plate, bounds: Bounds, limits: Limits, stack: Stack, best: fl
     count = len(plate.service)
     for _ in range(nodes):
         d = stack.depth[0]
-        while stack.next[d] >= stack.count[d] or stack.keys[d, stack.next[d]] >= best:
-            stack.count[d] = stack.next[d] = 0
+        while stack.next_kid[d] >= stack.kid_count[d] or stack.keys[d, stack.next_kid[d]] >= best:
+            stack.kid_count[d] = stack.next_kid[d] = 0
             if d == 0:
                 return DONE
             d -= 1
-        k = stack.next[d]
-        stack.next[d] += 1
+        k = stack.next_kid[d]
+        stack.next_kid[d] += 1
         _place(plate, stack, d, stack.kids[d, k], stack.kid_rise[d, k])
         stack.depth[0] = d + 1
         if d + 1 == count:
@@ -181,7 +181,7 @@ def _place(plate: Plate, stack: Stack, d: int, w: int, rise: float) -> None:
         stack.travel[d] = stack.travel[d - 1] + plate.cost[v, w]
         stack.peak[d] = max(stack.peak[d - 1], rise)
     stack.order[d] = w
-    stack.count[d + 1] = stack.next[d + 1] = 0
+    stack.kid_count[d + 1] = stack.next_kid[d + 1] = 0
 
 
 @njit(cache=True)
@@ -260,6 +260,6 @@ def open_bound(stack: Stack) -> float:
     """Return a lower bound on the objective of all that is still open on the stack; infinite for nothing."""
     least = np.inf
     for d in range(stack.depth[0] + 1):
-        if stack.next[d] < stack.count[d]:
-            least = min(least, stack.keys[d, stack.next[d]])
+        if stack.next_kid[d] < stack.kid_count[d]:
+            least = min(least, stack.keys[d, stack.next_kid[d]])
     return least

@@ -119,7 +119,7 @@ def rise_limit(instance: Instance, rules: Rules) -> float:
     if rules.temperature_cap is None:
         return np.inf
     rise = rules.temperature_cap - material.ambient_c
-    return rise + (1.0 + 1e-6) * TOLERANCE * max(1.0, abs(rise)) + 1e-15 * abs(material.ambient_c)
+    return rise + 1.01 * TOLERANCE * max(1.0, abs(rise)) + 1e-15 * abs(material.ambient_c)
 
 
 def plan_of(plate: Plate, points: Ints) -> Plan:

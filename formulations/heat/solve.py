@@ -14,6 +14,7 @@ from cutgap.formulations.contour_dp.proof import contour_certificate
 from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import ContourSearch
 from cutgap.formulations.heat.exact import ExactSearch, fits
+from cutgap.formulations.heat.lazy import LazySearch
 from cutgap.formulations.heat.run import Run
 from cutgap.instances import Instance, Plan, Result, Rules, check, conclude, evaluate
 from cutgap.instances.check import require_coordinates
@@ -61,9 +62,13 @@ def solve_heat(
         if start is not None and not check(instance, rules, start):
             run.offer(start)
         first = run.first_path()
-        search = ExactSearch(run, first)
-        complete = search.run_roots()
-        doubt = bool(np.isfinite(search.refused))
+        if fits(instance.first_node):
+            search = ExactSearch(run, first)
+            complete = search.run_roots()
+            doubt = bool(np.isfinite(search.refused))
+        else:
+            lazy = LazySearch(run, first)
+            complete = lazy.search()
     except KeyboardInterrupt:
         run.report()
     return _conclude(run, complete, doubt)

@@ -1,0 +1,126 @@
+"""Least travel under a cap on larger plates: the walk problem of ``contour_dp``, and runs forbidden as they appear.
+
+First the problem without heat, whose bound holds under every cap. Then, for a head with a home, rounds: the best walk
+without the runs known so far (``runs``) bounds every plan; it is the best plan, or shows new runs. Annealing gives
+plans in between. Without a home times count from where the tour begins, which the walk problem leaves open: there
+the bound without heat is all.
+"""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from cutgap.formulations.contour_dp.closing import Closing, Incumbent, walk_cost
+from cutgap.formulations.contour_dp.solve import ContourSearch
+from cutgap.formulations.contour_dp.walks import Walks, walk_problems
+from cutgap.formulations.heat.plates import plan_of
+from cutgap.formulations.heat.run import Run
+from cutgap.formulations.heat.runs import Run as Visits
+from cutgap.formulations.heat.runs import States, too_warm, widened, without_hot_pairs
+from cutgap.instances import Rules
+from cutgap.instances.arrays import Ints
+from cutgap.instances.progress import nobody
+
+ANNEAL_SECONDS = 10.0
+"""Longest first annealing; later ones take at most as long as the round before."""
+SHARE = 0.2
+"""Share of the time that is left that an annealing may take, and half of the one without heat."""
+
+
+def without_heat(rules: Rules) -> Rules:
+    """Return the rules of the problem without heat, for travel."""
+    objective = "travel" if rules.objective == "peak" else rules.objective
+    return replace(rules, objective=objective, temperature_cap=None)
+
+
+class LazySearch:
+    """The rounds of a run.
+
+    Attributes
+    ----------
+    plain
+        The search without heat.
+    runs
+        The runs known so far.
+    """
+
+    def __init__(self, run: Run, start: Ints) -> None:
+        self.run, self.start = run, start
+        self.cap = run.limits().rise
+        self.runs: list[Visits] = []
+        left = None if not np.isfinite(run.deadline) else 2 * SHARE * max(0.0, run.deadline - time.perf_counter())
+        self.plain = ContourSearch(
+            run.instance, without_heat(run.rules), None, time.perf_counter(), left, nobody
+        )
+
+    def search(self) -> bool:
+        """Run to the end; False when the time ended before."""
+        run = self.run
+        closed = self.plain.run()
+        self._note(self.plain.bound)
+        if closed and self.plain.plan is None:
+            return True
+        if self.plain.plan is not None and run.offer(self.plain.plan) and closed:
+            return True
+        run.improve(self._share(ANNEAL_SECONDS), seed=0, start=self.start)
+        if run.instance.heads[0].home is None:
+            return False
+        return self._rounds()
+
+    def _share(self, most: float) -> float:
+        left = self.run.deadline - time.perf_counter()
+        return min(most, SHARE * left) if np.isfinite(left) else most
+
+    def _note(self, internal: float) -> None:
+        """Keep a bound."""
+        run = self.run
+        internal = min(internal, np.inf if run.best is None else run.internal(run.best))
+        if np.isfinite(internal):
+            bound = run.objective(max(0.0, internal))
+            run.bound = bound if run.bound is None else max(run.bound, bound)
+        run.report()
+
+    def _rounds(self) -> bool:
+        run = self.run
+        walks = without_hot_pairs(run.plate, walk_problems(run.instance, without_heat(run.rules))[0], self.cap)
+        prices = None
+        while not run.is_over:
+            begun = time.perf_counter()
+            problem, point_of = States(walks, self.runs).problem()
+            closing, incumbent = self._close(problem, prices)
+            prices = closing.ascent.prices
+            if incumbent.best is None:
+                return closing.closed
+            walk = point_of[incumbent.best[1]]
+            if run.offer(plan_of(run.plate, walk)):
+                if closing.closed:
+                    return True
+                continue
+            if not self._learn(walk):
+                return False
+            run.improve(self._share(time.perf_counter() - begun), seed=len(self.runs), start=walk)
+        return False
+
+    def _close(self, problem: Walks, prices: np.ndarray | None) -> tuple[Closing, Incumbent]:
+        """Work on the walk problem of a round until it is closed, or the time is over."""
+        run = self.run
+        incumbent = Incumbent(np.inf if run.best is None else run.internal(run.best), 0.0)
+        closing = Closing(problem, incumbent, run.deadline, run.report)
+        if prices is not None:
+            closing.ascent.prices = prices
+        while not closing.closed and not closing.stuck and not run.is_over:
+            closing.advance()
+            self._note(min(closing.bound, incumbent.limit))
+        if closing.closed:
+            self._note(incumbent.cost)
+        return closing, incumbent
+
+    def _learn(self, walk: Ints) -> bool:
+        """Add the runs that a walk shows; False when rounding hides them."""
+        known = len(self.runs)
+        for points in too_warm(self.run.plate, walk, self.cap):
+            run = widened(self.run.plate, points, self.cap)
+            if run not in self.runs:
+                self.runs.append(run)
+        return len(self.runs) > known
