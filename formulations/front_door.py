@@ -10,6 +10,7 @@ from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import solve_contours
 from cutgap.formulations.free import solve_free
 from cutgap.formulations.generalized_tour import solve_generalized_tour
+from cutgap.formulations.heat.solve import solve_heat
 from cutgap.formulations.split import solve_split
 from cutgap.formulations.tour import solve_tour
 from cutgap.instances import Instance, Plan, Result, Rules, Status
@@ -47,6 +48,7 @@ METHODS: dict[str, Callable[..., Result]] = {
     "cpsat": _solve_cpsat,
     "regions": _solve_regions,
     "perspective": _solve_perspective,
+    "heat": solve_heat,
 }
 """Exact methods by name; ``auto`` takes CP-SAT, whose bounds are claims, only where no other one applies."""
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cutgap.formulations.cpsat.integers import Tours, integers_of
-from cutgap.formulations.cpsat.worker import MEBIBYTE, Job, Message, search
+from cutgap.formulations.cpsat.worker import MEBIBYTE, Job, Message, Work, search
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude, evaluate
 from cutgap.instances.check import require_coordinates
 from cutgap.instances.progress import Progress, Watch, nobody
@@ -24,6 +24,7 @@ GRACE_S = 10.0
 """How long a search that should have ended may take to say its last word."""
 
 POLL_S = 0.1
+WORKER = "cutgap.formulations.cpsat.worker"
 BROKEN = "the best plan on integers breaks a limit on times by rounding"
 
 
@@ -151,7 +152,7 @@ class _Run:
         return reason
 
     def _search_in_child(self, job: Job) -> str | None:
-        child = _Child(job)
+        child = Child(job, WORKER)
         try:
             for message in child.messages(None if job.seconds is None else job.seconds + GRACE_S):
                 self._receive(message)
@@ -194,11 +195,11 @@ class _Run:
             self.best, self.value = plan, value
 
 
-class _Child:
-    """A child process at work on a job; closing its input stops it."""
+class Child:
+    """A child process at work on a job, which a module serves; closing its input stops it."""
 
-    def __init__(self, job: Job) -> None:
-        command = [sys.executable, "-m", "cutgap.formulations.cpsat.worker"]
+    def __init__(self, job: Work, module: str) -> None:
+        command = [sys.executable, "-m", module]
         self.memory_mib = job.memory_mib
         # In a session of its own, as Ctrl-C is for the parent to handle.
         self.process = subprocess.Popen(

@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from ortools.sat.python import cp_model
 
@@ -25,6 +25,13 @@ Message = tuple[str, Any]
 """``plan`` and its tours, ``bound`` and its integer, ``done`` and the solver's status."""
 
 Send = Callable[[Message], None]
+
+
+class Work(Protocol):
+    """Anything that a child process can be sent to do within a memory limit, MiB."""
+
+    @property
+    def memory_mib(self) -> int: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +79,7 @@ def search(job: Job, send: Send, stop: threading.Event | None = None) -> None:
         solver.best_bound_callback = lambda bound: send(("bound", round(bound)))
     finished = threading.Event()
     if stop is not None:
-        threading.Thread(target=_stop_when_asked, args=(solver, stop, finished), daemon=True).start()
+        threading.Thread(target=stop_when_asked, args=(solver, stop, finished), daemon=True).start()
     status = solver.solve(built.model, _Reporter(built, send))
     finished.set()
     if status == cp_model.MODEL_INVALID:
@@ -82,7 +89,8 @@ def search(job: Job, send: Send, stop: threading.Event | None = None) -> None:
     send(("done", solver.status_name(status)))
 
 
-def _stop_when_asked(solver: cp_model.CpSolver, stop: threading.Event, finished: threading.Event) -> None:
+def stop_when_asked(solver: cp_model.CpSolver, stop: threading.Event, finished: threading.Event) -> None:
+    """Wait for the wish to stop, and stop a search."""
     stop.wait()
     # A request before the search has begun is lost.
     while not finished.wait(STOP_INTERVAL_S):
@@ -99,11 +107,11 @@ def limit_memory(mebibytes: int) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (mebibytes * MEBIBYTE, mebibytes * MEBIBYTE))
 
 
-def main() -> None:
-    """Serve one job."""
+def serve(do: Callable[[Any, Send, threading.Event], None]) -> None:
+    """Do the job on standard input, and end the process."""
     messages = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # so that nothing else comes between the messages
-    job: Job = pickle.load(sys.stdin.buffer)
+    job: Work = pickle.load(sys.stdin.buffer)
     limit_memory(job.memory_mib)
     stop, lock = threading.Event(), threading.Lock()
 
@@ -117,11 +125,11 @@ def main() -> None:
             messages.flush()
 
     threading.Thread(target=wait_for_end, daemon=True).start()
-    search(job, send, stop)
+    do(job, send, stop)
     messages.close()
     # Without waiting for the thread that still reads.
     os._exit(0)
 
 
 if __name__ == "__main__":
-    main()
+    serve(search)

@@ -3,8 +3,8 @@
     energy = travel (or largest rise) + price * (rise beyond the cap + travel beyond its limit)
 
 Moves take a run of visits out and put it elsewhere, turned round or not, swap two visits, turn a run round, or
-change a start point. A move is judged by its travel first; rises are computed anew only from the first visit that
-changed, and no further than the energy that would be accepted.
+change a start point. A move is judged by its travel first; rises are computed anew only from the first visit
+that changed, and no further than the energy that would be accepted.
 
 Source: Kirkpatrick, Gelatt, Vecchi (1983).
 """
@@ -44,8 +44,8 @@ def travel_of(plate: Plate, path: Ints) -> float:
 def rise_of(plate: Plate, path: Ints, since: int, end: Floats, highest: Floats, enough: float) -> float:
     """Return the largest rise, K, or one beyond ``enough``.
 
-    ``end`` and ``highest``, ends and largest rises up to each visit, are right before visit ``since`` and are set
-    from it on.
+    ``end`` and ``highest``, ends and largest rises up to each visit, are right before visit ``since`` and are
+    set from it on.
     """
     for i in range(since, len(path)):
         w, rise = path[i], 0.0

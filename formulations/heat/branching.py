@@ -6,19 +6,20 @@ r"""Depth-first branch and bound over order and start points, kept in arrays so 
     (3) ahead  each contour c that is left is started at one of its points p, at a time t with
                now + reach(v_d, p) <= t <= now + work on all that is left but c + ways,
                so its rise is at least  min over p of  sum over j in S of the least T(L_pj, t - e_j)
-    (4) last   some contour c that is left comes last, at p, so that some rise is at least the least, over c and p,
+    (4) last   some contour c that is left comes last, at p, so that some rise is at least the least, over c and
+    p,
                of  sum over j in S of the least T(L_pj, t - e_j) + tail(left - c, p),
                now + work on all that is left but c + shortest ways in <= t <= the same with the longest ways in
 
 R and C are those of ``tables``; tail(X, p) = min over v of warm(v, p, X - v's contour). reach is the closure of
-the times of ways, which is at most the time of any chain of steps. In (3) and (4) ways take at most the sum of the
-longest ways into the contours that are left, and at most what the limit on travel leaves. A node is cut off when
-(1) exceeds the limit on travel, one of (2) to (4) exceeds the cap, or the objective's bound is not below the best
-value. All are lower bounds on every plan below the node, so no better plan is lost. Limits carry a slack, of more
-than rounding, in the direction that keeps plans.
+the times of ways, which is at most the time of any chain of steps. In (3) and (4) ways take at most the sum of
+the longest ways into the contours that are left, and at most what the limit on travel leaves. A node is cut off
+when (1) exceeds the limit on travel, one of (2) to (4) exceeds the cap, or the objective's bound is not below
+the best value. All are lower bounds on every plan below the node, so no better plan is lost. Limits carry a
+slack, of more than rounding, in the direction that keeps plans.
 
-Children are taken in the order of the objective's bound, so that the next child of each level on the stack bounds
-all that is still open there.
+Children are taken in the order of the objective's bound, so that the next child of each level on the stack
+bounds all that is still open there.
 """
 
 from typing import NamedTuple
@@ -57,7 +58,7 @@ class Limits(NamedTuple):
 
 
 class Stack(NamedTuple):
-    """The path to the node at hand and the children left on it; ``depth`` has shape (1,), the rest n + 1 rows."""
+    """The path to the node at hand and the children left on it; ``depth`` has one entry, the rest n + 1 rows."""
 
     depth: Ints
     order: Ints

@@ -1,7 +1,7 @@
 """Branch and bound on a small plate: least travel under a cap, or least peak, to proven optimality.
 
-The head starts at its home, or a closed tour begins at each entry point in turn (a *root*): times count from the
-first contour, so where it begins matters. For the peak without a limit on travel one root serves for all.
+The head starts at its home, or a closed tour begins at each entry point in turn (a *root*): times count from
+the first contour, so where it begins matters. For the peak without a limit on travel one root serves for all.
 """
 
 from collections.abc import Iterator
@@ -65,7 +65,7 @@ class ExactSearch:
         return [(f, back[:, f]) for f in range(len(back)) if self.plate.before[self.plate.contour_of[f]] == 0]
 
     def _tables(self) -> tuple[Bounds, float]:
-        """Return the tables of the search (travel of the first root), and a bound on the peak rise of any plan."""
+        """Return the tables of the search, travel without cap, and a bound on the peak rise of any plan."""
         plate, run, limits = self.plate, self.run, self.run.limits()
         limit = min(limits.travel, run.cutoff) if run.by_travel else limits.travel
         loose = np.min([end for _, end in self.ends], axis=0)

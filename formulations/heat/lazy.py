@@ -1,9 +1,9 @@
-"""Least travel under a cap on larger plates: the walk problem of ``contour_dp``, and runs forbidden as they appear.
+"""Least travel under a cap on larger plates: walk problems, and runs of visits forbidden as they appear.
 
-First the problem without heat, whose bound holds under every cap. Then, for a head with a home, rounds: the best walk
-without the runs known so far (``runs``) bounds every plan; it is the best plan, or shows new runs. Annealing gives
-plans in between. Without a home times count from where the tour begins, which the walk problem leaves open: there
-the bound without heat is all.
+First the problem without heat, whose bound holds under every cap. Then, for a head with a home, rounds: the
+best walk without the runs known so far (``runs``) bounds every plan; it is the best plan, or shows new runs.
+Annealing gives plans in between. Without a home times count from where the tour begins, which the walk problem
+leaves open: there the bound without heat is all.
 """
 
 import time
@@ -11,19 +11,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from cutgap.formulations.contour_dp.closing import Closing, Incumbent, walk_cost
+from cutgap.formulations.contour_dp.closing import Closing, Incumbent
 from cutgap.formulations.contour_dp.solve import ContourSearch
 from cutgap.formulations.contour_dp.walks import Walks, walk_problems
 from cutgap.formulations.heat.plates import plan_of
 from cutgap.formulations.heat.run import Run
 from cutgap.formulations.heat.runs import Run as Visits
 from cutgap.formulations.heat.runs import States, too_warm, widened, without_hot_pairs
-from cutgap.instances import Rules
+from cutgap.instances import Plan, Rules
 from cutgap.instances.arrays import Ints
 from cutgap.instances.progress import nobody
 
 ANNEAL_SECONDS = 10.0
-"""Longest first annealing; later ones take at most as long as the round before."""
+"""Longest first annealing; later ones take at most twice as long as the round before."""
+LONG = 8
+"""Visits of a run beyond which it rules out little."""
 SHARE = 0.2
 """Share of the time that is left that an annealing may take, and half of the one without heat."""
 
@@ -32,6 +34,11 @@ def without_heat(rules: Rules) -> Rules:
     """Return the rules of the problem without heat, for travel."""
     objective = "travel" if rules.objective == "peak" else rules.objective
     return replace(rules, objective=objective, temperature_cap=None)
+
+
+def plain_search(run: Run, seconds: float | None) -> ContourSearch:
+    """Return the search for least travel without heat."""
+    return ContourSearch(run.instance, without_heat(run.rules), None, time.perf_counter(), seconds, nobody)
 
 
 class LazySearch:
@@ -49,24 +56,37 @@ class LazySearch:
         self.run, self.start = run, start
         self.cap = run.limits().rise
         self.runs: list[Visits] = []
-        left = None if not np.isfinite(run.deadline) else 2 * SHARE * max(0.0, run.deadline - time.perf_counter())
-        self.plain = ContourSearch(
-            run.instance, without_heat(run.rules), None, time.perf_counter(), left, nobody
-        )
+        left = run.deadline - time.perf_counter()
+        self.plain = plain_search(run, 2.0 * SHARE * max(0.0, left) if np.isfinite(left) else None)
 
     def search(self) -> bool:
         """Run to the end; False when the time ended before."""
         run = self.run
         closed = self.plain.run()
         self._note(self.plain.bound)
+        self._offer_turned()
         if closed and self.plain.plan is None:
             return True
-        if self.plain.plan is not None and run.offer(self.plain.plan) and closed:
+        if (
+            closed
+            and run.best is not None
+            and run.internal(run.best) <= self.plain.incumbent.cost * (1.0 + 1e-12)
+        ):
             return True
         run.improve(self._share(ANNEAL_SECONDS), seed=0, start=self.start)
         if run.instance.heads[0].home is None:
             return False
         return self._rounds()
+
+    def _offer_turned(self) -> None:
+        """Offer the best plan without heat; without a home, from wherever it may begin."""
+        if self.plain.plan is None:
+            return
+        tour, turns = self.plain.plan.tours[0], 1
+        if self.run.instance.heads[0].home is None:
+            turns = len(tour)
+        for turn in range(turns):
+            self.run.offer(Plan((tour[turn:] + tour[:turn],)))
 
     def _share(self, most: float) -> float:
         left = self.run.deadline - time.perf_counter()
@@ -99,7 +119,7 @@ class LazySearch:
                 continue
             if not self._learn(walk):
                 return False
-            run.improve(self._share(time.perf_counter() - begun), seed=len(self.runs), start=walk)
+            run.improve(self._share(2.0 * (time.perf_counter() - begun)), seed=len(self.runs), start=walk)
         return False
 
     def _close(self, problem: Walks, prices: np.ndarray | None) -> tuple[Closing, Incumbent]:
@@ -117,9 +137,11 @@ class LazySearch:
         return closing, incumbent
 
     def _learn(self, walk: Ints) -> bool:
-        """Add the runs that a walk shows; False when rounding hides them."""
-        known = len(self.runs)
-        for points in too_warm(self.run.plate, walk, self.cap):
+        """Add the runs that a walk shows, one long one at most; False when rounding hides them."""
+        known, shown = len(self.runs), sorted(too_warm(self.run.plate, walk, self.cap), key=len)
+        for number, points in enumerate(shown):
+            if number > 0 and len(points) > LONG:
+                break
             run = widened(self.run.plate, points, self.cap)
             if run not in self.runs:
                 self.runs.append(run)

@@ -111,7 +111,7 @@ def _closed(instance: Instance, rules: Rules) -> Bools:
 
 
 def rise_limit(instance: Instance, rules: Rules) -> float:
-    """Return the largest rise that may pass for within the cap, K: more than ``check`` lets pass by rounding only.
+    """Return the largest rise that may pass for within the cap, K: what ``check`` lets pass, and rounding.
 
     A plan with a larger rise breaks the cap; whether one with a smaller rise keeps it is for ``check`` to say.
     """

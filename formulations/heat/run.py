@@ -1,4 +1,4 @@
-"""One run on an instance: the best allowed plan so far, valued exactly, the clock, and what the watch is told."""
+"""One run on an instance: the best allowed plan so far, valued exactly, the clock, and its watch."""
 
 import time
 
@@ -93,7 +93,8 @@ class Run:
         evaluation = evaluate(self.instance, plan)
         if self.by_travel:
             return evaluation.total_travel_mm + self.rules.backward_price * sum(evaluation.backward_mm)
-        assert evaluation.peak_temperature_c is not None and self.instance.material is not None
+        assert evaluation.peak_temperature_c is not None
+        assert self.instance.material is not None
         return evaluation.peak_temperature_c - self.instance.material.ambient_c
 
     @property

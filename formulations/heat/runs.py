@@ -1,6 +1,7 @@
 r"""Runs of visits that overheat, and walk problems without them.
 
-    run       sets E_0, .., E_k of points of k + 1 contours: a plan that visits a point of E_0, then one of E_1, and
+    run       sets E_0, .., E_k of points of k + 1 contours: a plan that visits a point of E_0, then one of E_1,
+    and
               so on, one right after the other, has a rise beyond the cap at the last of them
     (1)       R >= sum over i < k of T(L_(w, contour of E_i), what passes from its end to the start at w in E_k)
     item      (run, i): the last i visits were in E_0, .., E_(i-1)
@@ -8,12 +9,12 @@ r"""Runs of visits that overheat, and walk problems without them.
     (2)       from a state a step to w leads to the state of w and the items that go on, or is forbidden when a run
               is complete
 
-(1) holds since all terms are at least 0, and the times within a run follow from its points alone; a run is made only
-of combinations that all exceed the cap by it. So no plan within the cap contains a run, and walks over states by (2),
-each contour at one of its states, are exactly the walks over points that contain no run: the walk problem over states
-is a relaxation of travel under the cap, and its optimum is a lower bound. When its best walk keeps the cap, that is
-the best plan; else a visit is too warm, the last k + 1 visits up to it, the fewest that exceed the cap, are a
-new run, and no walk comes back. There are finitely many walks, so this ends.
+(1) holds since all terms are at least 0, and the times within a run follow from its points alone; a run is made
+only of combinations that all exceed the cap by it. So no plan within the cap contains a run, and walks over
+states by (2), each contour at one of its states, are exactly the walks over points that contain no run: the
+walk problem over states is a relaxation of travel under the cap, and its optimum is a lower bound. When its
+best walk keeps the cap, that is the best plan; else a visit is too warm, the last k + 1 visits up to it, the
+fewest that exceed the cap, are a new run, and no walk comes back. There are finitely many walks, so this ends.
 
 Source: the determinisation of an automaton for forbidden words (Aho and Corasick, 1975), over sets of points.
 """
@@ -138,9 +139,7 @@ class States:
                 if length + 1 == len(run):
                     complete.add(target)
                 after.setdefault(target, set()).add((number, length + 1))
-        return {
-            target: None if target in complete else frozenset(each) for target, each in after.items()
-        }
+        return {target: None if target in complete else frozenset(each) for target, each in after.items()}
 
     def problem(self) -> tuple[Walks, Ints]:
         """Return the walk problem over states, and the point of each."""
@@ -169,5 +168,3 @@ class States:
             crossed=None if crossed is None else np.ascontiguousarray(crossed[np.ix_(point_of, point_of)]),
         )
         return problem, point_of
-
-

@@ -1,10 +1,11 @@
 """The method ``heat``: order and start points of one head under the temperature model, with proven bounds.
 
-Small plates (``exact.fits``) are closed by branch and bound. On larger ones the cap is enforced by forbidden runs
-of visits (``runs``), and the peak is bounded by ``pairwise``. The bound on travel without heat, which the
+Small plates (``exact.fits``) are closed by branch and bound. On larger ones the cap is enforced by forbidden
+runs of visits (``runs``), and the peak is bounded by ``pairwise``. The bound on travel without heat, which the
 certificate proves when one is asked for, holds for every cap: a cap only forbids plans.
 """
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,14 +15,18 @@ from cutgap.formulations.contour_dp.proof import contour_certificate
 from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import ContourSearch
 from cutgap.formulations.heat.exact import ExactSearch, fits
-from cutgap.formulations.heat.lazy import LazySearch
+from cutgap.formulations.heat.lazy import LazySearch, plain_search
 from cutgap.formulations.heat.run import Run
-from cutgap.instances import Instance, Plan, Result, Rules, check, conclude, evaluate
+from cutgap.instances import Instance, Plan, Result, Rules, Status, check, conclude, evaluate
+from cutgap.instances.arrays import Ints
 from cutgap.instances.check import require_coordinates
 from cutgap.instances.heat import require_heat
 from cutgap.instances.progress import Watch, nobody
 
 NAME = "heat"
+
+ANNEAL_SHARE, ANNEAL_SECONDS = 0.4, 60.0
+"""How much of the time for a larger plate's peak goes to plans: a share, or seconds where there is no limit."""
 
 
 def solve_heat(
@@ -43,7 +48,8 @@ def solve_heat(
     start
         A plan to start from; one that breaks rules is ignored.
     certify
-        Whether to add a verified certificate of the bound on travel without heat, which is at most the result's.
+        Whether to add a verified certificate of the bound on travel without heat, which is at most the
+        result's.
     most_travel
         A limit on travel, backward price included, besides the rules, mm.
 
@@ -54,48 +60,105 @@ def solve_heat(
         or a contour without a curve.
     """
     _require_scope(instance, rules)
-    run = Run(instance, rules, watch, time_limit, most_travel)
     if not instance.contours:
         return _nothing(instance, rules)
-    complete, doubt = False, False
+    run = Run(instance, rules, watch, time_limit, most_travel)
+    solving = _Solving(run)
     try:
-        if start is not None and not check(instance, rules, start):
+        if start is not None:
             run.offer(start)
-        first = run.first_path()
-        if fits(instance.first_node):
-            search = ExactSearch(run, first)
-            complete = search.run_roots()
-            doubt = bool(np.isfinite(search.refused))
-        else:
-            lazy = LazySearch(run, first)
-            complete = lazy.search()
+        solving.solve()
     except KeyboardInterrupt:
         run.report()
-    return _conclude(run, complete, doubt)
+    result = solving.result()
+    if not certify or not run.by_travel or result.status is Status.INFEASIBLE:
+        return result
+    return replace(result, certificate=_certificate(run, solving.plain))
 
 
-def _conclude(run: Run, complete: bool, doubt: bool) -> Result:
-    infeasible = complete and run.best is None and not doubt
-    reason = None if complete else "stopped early"
-    if infeasible:
-        reason = _why_infeasible(run)
-    return conclude(
-        run.instance,
-        run.rules,
-        run.best,
-        method=NAME,
-        seconds=run.seconds,
-        lower_bound=run.bound,
-        infeasible=infeasible,
-        reason=reason,
+class _Solving:
+    """The part of a run that suits the size of the plate and the objective."""
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.plain: ContourSearch | None = None
+        self.complete, self.reason = False, "stopped early"
+
+    def solve(self) -> None:
+        """Search until the plate is closed or the time is over."""
+        run = self.run
+        first = run.first_path()
+        if fits(run.instance.first_node):
+            search = ExactSearch(run, first)
+            self.complete = search.run_roots() and bool(np.isinf(search.refused))
+            self.reason = "branch and bound"
+        elif run.by_travel:
+            lazy = LazySearch(run, first)
+            self.plain = lazy.plain
+            self.complete = lazy.search()
+            self.reason = "forbidden runs of visits"
+        else:
+            self._bound_peak(first)
+
+    def _bound_peak(self, first: Ints) -> None:
+        """Anneal, then bound the peak by pairs."""
+        run = self.run
+        left = run.deadline - time.perf_counter()
+        run.improve(ANNEAL_SHARE * left if np.isfinite(left) else ANNEAL_SECONDS, seed=0, start=first)
+        peak = run.value if run.value is not None and np.isfinite(run.value) else None
+        if peak is None:
+            return
+        # CP-SAT takes a second to load.
+        from cutgap.formulations.heat.pairwise import pairwise_bound
+
+        left = run.deadline - time.perf_counter()
+        pairs = pairwise_bound(
+            run.instance, run.rules, warmest=peak, time_limit=left if np.isfinite(left) else None
+        )
+        run.bound = min(pairs.lower_bound, peak)
+        run.report()
+        self.reason = f"bound by pairs, claimed by CP-SAT on integers of {1.0 / pairs.scale:.3g} s"
+
+    def result(self) -> Result:
+        """Return what was found."""
+        run = self.run
+        infeasible = self.complete and run.best is None
+        reason = None if self.complete else self.reason
+        if not self.complete and fits(run.instance.first_node):
+            reason = "stopped early"
+        if infeasible:
+            reason = self._why_infeasible()
+        return conclude(
+            run.instance,
+            run.rules,
+            run.best,
+            method=NAME,
+            seconds=run.seconds,
+            lower_bound=run.bound,
+            infeasible=infeasible,
+            reason=reason,
+        )
+
+    def _why_infeasible(self) -> str:
+        cap = self.run.rules.temperature_cap
+        if cap is None:
+            return "no order keeps the rules"
+        return f"every plan has a peak above the cap of {cap:g} deg C, as {self.reason} shows"
+
+
+def _certificate(run: Run, plain: ContourSearch | None) -> Certificate | None:
+    """Return the certificate of the bound on travel without heat, which holds under every cap."""
+    if len(run.instance.contours) == 1 and run.instance.heads[0].home is None:
+        return contour_certificate(run.instance, run.rules, None, 0.0, 0.0, [])
+    if plain is None:
+        left = run.deadline - time.perf_counter()
+        plain = plain_search(run, max(1.0, left) if np.isfinite(left) else None)
+        plain.run()
+    if not np.isfinite(plain.bound):
+        return None
+    return contour_certificate(
+        run.instance, run.rules, None, max(0.0, plain.bound), plain.incumbent.step, plain.closings
     )
-
-
-def _why_infeasible(run: Run) -> str:
-    cap = run.rules.temperature_cap
-    if cap is None:
-        return "no order keeps the rules"
-    return f"every plan has a peak above the cap of {cap:g} deg C, as branch and bound shows"
 
 
 def _nothing(instance: Instance, rules: Rules) -> Result:

@@ -8,12 +8,13 @@ r"""What is at least still to come, for each set of contours done and each last 
     (2) R(S, v) = min over steps v -> w with warm(v, w, S - a) <= cap of  c_vw + R(S + w, w);   R(all, v) = b_v
     (3) C(S, v) = min over such steps of  max(warm(v, w, S - a), C(S + w, w));                  C(all, v) = 0
 
-Proofs. (1): the lag of j at w is the way v -> w, the work on a and on what was cut between, Y, and the ways into
-these; so it lies in I(j, Y), where the kernel is least at an end of the interval. The order of X that the plan
-has is one of those over which g takes the least. With a limit on travel, hi is also at most what the limit leaves
-for ways: limit - c_vw - R'(S + w, w), R' being (2) without cap; when that is below lo no plan within the limit
-makes this step. (2), (3): induction over S; a plan within the cap only makes such steps. So R bounds the travel
-and C the peak rise of what is left of any plan within cap and limit. Without heat R is exact (Held and Karp).
+Proofs. (1): the lag of j at w is the way v -> w, the work on a and on what was cut between, Y, and the ways
+into these; so it lies in I(j, Y), where the kernel is least at an end of the interval. The order of X that the
+plan has is one of those over which g takes the least. With a limit on travel, hi is also at most what the limit
+leaves for ways: limit - c_vw - R'(S + w, w), R' being (2) without cap; when that is below lo no plan within the
+limit makes this step. (2), (3): induction over S; a plan within the cap only makes such steps. So R bounds the
+travel and C the peak rise of what is left of any plan within cap and limit. Without heat R is exact (Held and
+Karp).
 
 warm is stored with a relative 10^-6 less than computed, more than its rounding.
 """
