@@ -58,7 +58,7 @@ class Limits(NamedTuple):
 
 
 class Stack(NamedTuple):
-    """The path to the node at hand and the children left on it; ``depth`` has one entry, the rest n + 1 rows."""
+    """The path to the node at hand and the children left on it; n + 1 rows, ``depth`` has one entry."""
 
     depth: Ints
     order: Ints

@@ -21,6 +21,8 @@ from cutgap.instances.heat import require_heat
 from cutgap.instances.progress import Watch, nobody
 
 POINTS = 8
+ENDLESS = 1e15
+"""A cap that only infinite peaks exceed, deg C."""
 
 
 def heat_front(
@@ -76,7 +78,8 @@ def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch
         peak = coolest.value
         if coolest.plan is None or peak is None:
             return [*front, shortest]
-        proved = shortest.status is Status.OPTIMAL and coolest.status is Status.OPTIMAL
+        # Where all of these peaks are infinite there is no bound, but a complete search gives no reason.
+        proved = shortest.status is Status.OPTIMAL and coolest.reason is None
         front.append(
             conclude(
                 instance,
@@ -90,7 +93,8 @@ def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch
         )
         if not proved:
             return front
-        asked = replace(rules, temperature_cap=peak - 3.0 * TOLERANCE * max(1.0, peak - ambient))
+        cap = peak - 3.0 * TOLERANCE * max(1.0, peak - ambient) if np.isfinite(peak) else ENDLESS
+        asked = replace(rules, temperature_cap=cap)
 
 
 def _sampled_front(

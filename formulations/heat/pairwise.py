@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cutgap.formulations.cpsat.solving import GRACE_S, WORKERS, Child, default_memory_mib
-from cutgap.formulations.heat.pairwise_worker import Question, Window
+from cutgap.formulations.cpsat.worker import Message
+from cutgap.formulations.heat.pairwise_worker import Question, Window, answer
 from cutgap.formulations.heat.plates import Plate, plate_of, warmth
 from cutgap.formulations.heat.tables import ways_into
 from cutgap.instances import Instance, Rules
@@ -30,6 +31,9 @@ from cutgap.instances.heat import lag_window, require_heat
 WORKER = "cutgap.formulations.heat.pairwise_worker"
 UNITS = 5_000
 """Units of time from the first start to the latest possible one."""
+LOWEST, STRIDE = 1024.0, 4.0
+"""The first level is so small a part of the rise to begin with, the next ones so much higher:
+low levels are soon refused, and middle ones may take for ever."""
 MOST_POINTS = 60
 """Most points that are nodes of the circuit; beyond, contours are."""
 SHARE = 0.3
@@ -67,6 +71,7 @@ def pairwise_bound(
     time_limit: float | None = None,
     workers: int = WORKERS,
     memory_mib: int | None = None,
+    isolated: bool = True,
 ) -> PairwiseBound:
     """Bound the peak by pairs.
 
@@ -76,6 +81,8 @@ def pairwise_bound(
         A peak that some plan has, deg C: where the bisection begins from above.
     time_limit
         Seconds; what was shown until then is returned, also on Ctrl-C.
+    isolated
+        Whether to ask in child processes; within this one there is no limit on memory, and Ctrl-C waits.
     """
     ambient = require_heat(instance).ambient_c
     deadline = np.inf if time_limit is None else time.perf_counter() + time_limit
@@ -83,14 +90,14 @@ def pairwise_bound(
     plate = plate_of(instance, rules)
     scale = UNITS / max(1e-9, _horizon(plate))
     # Up to ``aim`` the answers are still open: it falls where one takes too long.
-    low, high = 0.0, warmest - ambient
-    aim = high
+    warmest_rise = warmest - ambient
+    low, high, aim = 0.0, warmest_rise, warmest_rise
     try:
         while aim - low > PRECISION * max(high, 1e-6) and time.perf_counter() < deadline:
-            theta = (low + aim) / 2.0
+            theta = min((low + aim) / 2.0, max(STRIDE * low, warmest_rise / LOWEST))
             left = max(1.0, SHARE * (deadline - time.perf_counter()))
             seconds = None if np.isinf(left) else left
-            status, order = _ask(_question(instance, plate, theta, scale, seconds, workers, memory))
+            status, order = _ask(_question(instance, plate, theta, scale, seconds, workers, memory), isolated)
             if status == "INFEASIBLE":
                 low = theta
             elif order is not None:
@@ -169,19 +176,20 @@ def _windows(instance: Instance, plate: Plate, theta: float, scale: float) -> li
     return windows
 
 
-def _ask(asked: Question) -> tuple[str, Ints | None]:
+def _ask(asked: Question, isolated: bool) -> tuple[str, Ints | None]:
     """Return the solver's status, empty when it died, and the points of a plan if it has one."""
-    child = Child(asked, WORKER)
-    status, order = "", None
-    try:
-        for kind, content in child.messages(None if asked.seconds is None else asked.seconds + GRACE_S):
-            if kind == "plan":
-                order = np.array(content, dtype=np.int64)
-            else:
-                status = content
-    finally:
-        child.kill()
-    return status, order
+    messages: list[Message] = []
+    if isolated:
+        child = Child(asked, WORKER)
+        try:
+            messages += child.messages(None if asked.seconds is None else asked.seconds + GRACE_S)
+        finally:
+            child.kill()
+    else:
+        answer(asked, messages.append)
+    found = dict(messages)
+    order = found.get("plan")
+    return found.get("done", ""), None if order is None else np.array(order, dtype=np.int64)
 
 
 def _pairwise(plate: Plate, path: Ints) -> float:

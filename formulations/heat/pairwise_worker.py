@@ -134,7 +134,7 @@ class CoolModel:
         return sorted(chosen, key=lambda v: solver.value(self.start[self.contour_of[v]]))
 
 
-def answer(asked: Question, send: Send, stop: threading.Event) -> None:
+def answer(asked: Question, send: Send, stop: threading.Event | None = None) -> None:
     """Send a plan's points if there is one, then the solver's status."""
     built, solver = CoolModel(asked), cp_model.CpSolver()
     solver.parameters.num_workers = asked.workers
@@ -145,7 +145,8 @@ def answer(asked: Question, send: Send, stop: threading.Event) -> None:
     if asked.seconds is not None:
         solver.parameters.max_time_in_seconds = max(0.0, asked.seconds)
     finished = threading.Event()
-    threading.Thread(target=stop_when_asked, args=(solver, stop, finished), daemon=True).start()
+    if stop is not None:
+        threading.Thread(target=stop_when_asked, args=(solver, stop, finished), daemon=True).start()
     status = solver.solve(built.model)
     finished.set()
     if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):

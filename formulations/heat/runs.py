@@ -1,13 +1,12 @@
 r"""Runs of visits that overheat, and walk problems without them.
 
-    run       sets E_0, .., E_k of points of k + 1 contours: a plan that visits a point of E_0, then one of E_1,
-    and
+    run       sets E_0, .., E_k of points of k + 1 contours: a plan that visits one of E_0, then one of E_1 and
               so on, one right after the other, has a rise beyond the cap at the last of them
-    (1)       R >= sum over i < k of T(L_(w, contour of E_i), what passes from its end to the start at w in E_k)
+    (1)       R >= sum over i < k of T(L_wi, time from the end of visit i to the start at w in E_k)
     item      (run, i): the last i visits were in E_0, .., E_(i-1)
     state     a point and the items with i >= 2 that hold there
-    (2)       from a state a step to w leads to the state of w and the items that go on, or is forbidden when a run
-              is complete
+    (2)       from a state a step to w leads to the state of w and the items that go on; it is forbidden when
+              a run is complete
 
 (1) holds since all terms are at least 0, and the times within a run follow from its points alone; a run is made
 only of combinations that all exceed the cap by it. So no plan within the cap contains a run, and walks over
@@ -48,7 +47,7 @@ def rise_from(plate: Plate, points: Ints, since: int, last: int) -> float:
 
 @njit(cache=True)
 def all_overheat(plate: Plate, choices: Ints, sizes: Ints, cap: float) -> bool:
-    """Whether each combination of points exceeds the cap by (1); row i of ``choices`` holds E_i, ``sizes[i]`` of it."""
+    """Whether each combination of points exceeds the cap by (1); row i of ``choices`` begins with E_i."""
     place, points = np.zeros(len(sizes), dtype=np.int64), choices[:, 0].copy()
     while True:
         if not rise_from(plate, points, 0, len(points) - 1) > cap:

@@ -69,7 +69,8 @@ def solve_heat(
             run.offer(start)
         solving.solve()
     except KeyboardInterrupt:
-        run.report()
+        # What the run holds is the result.
+        pass
     result = solving.result()
     if not certify or not run.by_travel or result.status is Status.INFEASIBLE:
         return result
