@@ -131,7 +131,7 @@ def plan_of(plate: Plate, points: Ints) -> Plan:
 
 def points_of(plate: Plate, plan: Plan) -> Ints:
     """Return the points of a plan's only tour, in order."""
-    return np.array([plate.first[c] + e for c, e in plan.tours[0]], dtype=np.int64)
+    return np.array([plate.first[c] + e for c, e, *_ in plan.tours[0]], dtype=np.int64)
 
 
 @njit(cache=True)

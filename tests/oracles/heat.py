@@ -1,4 +1,4 @@
-"""Every plan of one head with travel and peak temperature: the best, and the front. Up to 5 contours of 3 points.
+"""Every plan of one head with travel and peak temperature: the best and the front, up to 5 contours x 3 points.
 
     T(L, t) = q / (v h sqrt(4 pi lambda c rho t)) exp(-L^2 / (4 a t)),  a = lambda / (c rho)           [K]
     R_i     = sum over j before i of T(L_ij, t_ij),  peak = ambient + max over i of R_i             [deg C]
