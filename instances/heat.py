@@ -110,7 +110,8 @@ def rises(instance: Instance, plan: Plan) -> dict[int, float]:
             before += [other for other in others if starts[other] + float(service[other]) <= start]
             ends = np.array([starts[other] + float(service[other]) for other in before])
             lags = np.maximum(0.0, start - ends)
-            found[visit.contour] = float(rise(instance, distances[instance.node(*visit[:2]), before], lags).sum())
+            apart = distances[instance.node(*visit[:2]), before]
+            found[visit.contour] = float(rise(instance, apart, lags).sum())
     return found
 
 
