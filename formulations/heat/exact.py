@@ -34,8 +34,8 @@ MOST_CELLS = 50_000_000
 """Most numbers in the table of least rises."""
 NODES = 20_000
 """Nodes between looks at the clock."""
-FIRST_SECONDS = 2.0
-"""Longest annealing before the search."""
+FIRST_SECONDS, FIRST_LONGEST = 2.0, 8
+"""Most seconds of annealing before the search, and its longest runs."""
 
 
 def fits(first: Ints) -> bool:
@@ -48,7 +48,7 @@ class ExactSearch:
 
     def __init__(self, run: Run, start: Ints) -> None:
         self.run, self.plate = run, run.plate
-        run.improve(FIRST_SECONDS, seed=0, start=start)
+        run.improve(run.annealing(start, FIRST_LONGEST), FIRST_SECONDS)
         self.refused = np.inf
         self.ends = self._ends()
         self.bounds, self.root_peak = self._tables()

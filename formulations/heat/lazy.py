@@ -22,11 +22,11 @@ from cutgap.instances import Plan, Rules
 from cutgap.instances.arrays import Ints
 from cutgap.instances.progress import nobody
 
-ANNEAL_SECONDS = 10.0
+ANNEAL_SECONDS = 60.0
 """Longest first annealing; later ones take at most twice as long as the round before."""
 LONG = 8
 """Visits of a run beyond which it rules out little."""
-SHARE = 0.2
+SHARE = 0.3
 """Share of the time that is left that an annealing may take, and half of the one without heat."""
 
 
@@ -53,7 +53,7 @@ class LazySearch:
     """
 
     def __init__(self, run: Run, start: Ints) -> None:
-        self.run, self.start = run, start
+        self.run, self.annealing = run, run.annealing(start)
         self.cap = run.limits().rise
         self.runs: list[Visits] = []
         left = run.deadline - time.perf_counter()
@@ -62,7 +62,9 @@ class LazySearch:
     def search(self) -> bool:
         """Run to the end; False when the time ended before."""
         run = self.run
-        closed = self.plain.run()
+        while self.plain.advance():
+            pass
+        closed = self.plain.closed
         self._note(self.plain.bound)
         self._offer_turned()
         if closed and self.plain.plan is None:
@@ -73,7 +75,7 @@ class LazySearch:
             and run.internal(run.best) <= self.plain.incumbent.cost * (1.0 + 1e-12)
         ):
             return True
-        run.improve(self._share(ANNEAL_SECONDS), seed=0, start=self.start)
+        run.improve(self.annealing, self._share(ANNEAL_SECONDS))
         if run.instance.heads[0].home is None:
             return False
         return self._rounds()
@@ -119,7 +121,7 @@ class LazySearch:
                 continue
             if not self._learn(walk):
                 return False
-            run.improve(self._share(2.0 * (time.perf_counter() - begun)), seed=len(self.runs), start=walk)
+            run.improve(self.annealing, self._share(2.0 * (time.perf_counter() - begun)))
         return False
 
     def _close(self, problem: Walks, prices: np.ndarray | None) -> tuple[Closing, Incumbent]:

@@ -1,6 +1,8 @@
 """One run on an instance: the best allowed plan so far, valued exactly, the clock, and its watch."""
 
 import time
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,14 +14,14 @@ from cutgap.instances.arrays import Ints
 from cutgap.instances.entry_tours import EntrySearch, entry_task
 from cutgap.instances.progress import Progress, Watch
 
-ROUNDS = 20_000
-"""Moves of a short annealing; the next one is twice as long, up to ``LONGEST`` times."""
-LONGEST = 16
+ROUNDS = 1000
+"""Moves per contour of the first annealing; the next one is twice as long, up to ``LONGEST`` times."""
+LONGEST = 128
 FIRST_ROUNDS = 50
 """Rounds per contour of the search for a first plan, without heat."""
-HOT, COLD = 0.03, 1e-4
+HOT, COLD = 0.05, 1e-4
 """Temperatures of the annealing, as shares of the objective."""
-PRICES = (0.02, 0.1, 0.5)
+PRICES = (0.01, 0.03, 0.1)
 """Prices of one K, or mm, beyond a limit, as shares of the objective, in turn."""
 
 
@@ -132,22 +134,33 @@ class Run:
         self.offer(plan)
         return points_of(self.plate, plan)
 
-    def improve(self, seconds: float, seed: int, start: Ints) -> None:
-        """Anneal from plans found so far for so many seconds, or until four long runs found nothing."""
-        rng, until = np.random.default_rng(seed), min(self.deadline, time.perf_counter() + seconds)
-        limits, length, idle, turn = self.limits(), 1, 0, 0
-        while time.perf_counter() < until and idle < 4 and len(start) > 1:
+    def improve(self, pieces: Iterator[None], seconds: float) -> None:
+        """Go on with ``annealing`` for so many seconds, or to its end."""
+        until = min(self.deadline, time.perf_counter() + seconds)
+        while time.perf_counter() < until:
+            if next(pieces, self) is self:
+                return
+
+    def annealing(self, start: Ints, longest: int = LONGEST) -> Iterator[None]:
+        """Anneal piece by piece, in ever longer runs, until four of the longest found nothing better.
+
+        A run begins with the best plan, or with ``start`` where there is none.
+        """
+        rng, limits, idle, turn = np.random.default_rng(0), self.limits(), 0, 0
+        while idle < 4 and len(start) > 1:
             path = start.copy() if self.best is None else points_of(self.plate, self.best)
             if not np.isfinite(travel_of(self.plate, path)):
                 return
             scale = min(MUCH, max(1e-3, self.internal(plan_of(self.plate, path))))
             price = PRICES[turn % len(PRICES)] * (scale if self.by_travel else 1.0)
-            value, found = anneal(
-                self.plate, limits, path, price, HOT * scale, COLD * scale, length * ROUNDS, rng
-            )
-            before = self.value
-            if np.isfinite(value):
-                self.offer(plan_of(self.plate, found))
+            length, before = min(longest, 2**turn), self.value
+            heats = np.geomspace(HOT * scale, COLD * scale, length + 1)
+            for hot, cold in pairwise(heats.tolist()):
+                moves = ROUNDS * len(path)
+                value, found = anneal(self.plate, limits, path, price, hot, cold, moves, rng)
+                if np.isfinite(value):
+                    self.offer(plan_of(self.plate, found))
+                yield
             better = self.value is not None and (before is None or self.value < before)
-            idle = 0 if better or length < LONGEST else idle + 1
-            length, turn = min(LONGEST, 2 * length), turn + 1
+            idle = 0 if better or length < longest else idle + 1
+            turn += 1

@@ -83,7 +83,7 @@ class _Solving:
     def __init__(self, run: Run) -> None:
         self.run = run
         self.plain: ContourSearch | None = None
-        self.complete, self.reason = False, "stopped early"
+        self.complete, self.how, self.reason = False, "branch and bound", "stopped early"
 
     def solve(self) -> None:
         """Search until the plate is closed or the time is over."""
@@ -92,12 +92,12 @@ class _Solving:
         if fits(run.instance.first_node):
             search = ExactSearch(run, first)
             self.complete = search.run_roots() and bool(np.isinf(search.refused))
-            self.reason = "branch and bound"
         elif run.by_travel:
             lazy = LazySearch(run, first)
-            self.plain = lazy.plain
+            self.plain, self.how = lazy.plain, "a search without forbidden runs of visits"
             self.complete = lazy.search()
-            self.reason = "forbidden runs of visits"
+            if run.instance.heads[0].home is None and not run.is_over:
+                self.reason = "without a home the bound of a larger plate leaves heat out"
         else:
             self._bound_peak(first)
 
@@ -105,7 +105,7 @@ class _Solving:
         """Anneal, then bound the peak by pairs."""
         run = self.run
         left = run.deadline - time.perf_counter()
-        run.improve(ANNEAL_SHARE * left if np.isfinite(left) else ANNEAL_SECONDS, seed=0, start=first)
+        run.improve(run.annealing(first), ANNEAL_SHARE * left if np.isfinite(left) else ANNEAL_SECONDS)
         peak = run.value if run.value is not None and np.isfinite(run.value) else None
         if peak is None:
             return
@@ -125,8 +125,6 @@ class _Solving:
         run = self.run
         infeasible = self.complete and run.best is None
         reason = None if self.complete else self.reason
-        if not self.complete and fits(run.instance.first_node):
-            reason = "stopped early"
         if infeasible:
             reason = self._why_infeasible()
         return conclude(
@@ -144,7 +142,7 @@ class _Solving:
         cap = self.run.rules.temperature_cap
         if cap is None:
             return "no order keeps the rules"
-        return f"every plan has a peak above the cap of {cap:g} deg C, as {self.reason} shows"
+        return f"every plan has a peak above the cap of {cap:g} deg C, as {self.how} shows"
 
 
 def _certificate(run: Run, plain: ContourSearch | None) -> Certificate | None:

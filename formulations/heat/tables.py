@@ -11,10 +11,11 @@ r"""What is at least still to come, for each set of contours done and each last 
 Proofs. (1): the lag of j at w is the way v -> w, the work on a and on what was cut between, Y, and the ways
 into these; so it lies in I(j, Y), where the kernel is least at an end of the interval. The order of X that the
 plan has is one of those over which g takes the least. With a limit on travel, hi is also at most what the limit
-leaves for ways: limit - c_vw - R'(S + w, w), R' being (2) without cap; when that is below lo no plan within the
-limit makes this step. (2), (3): induction over S; a plan within the cap only makes such steps. So R bounds the
-travel and C the peak rise of what is left of any plan within cap and limit. Without heat R is exact (Held and
-Karp).
+leaves for ways: limit - c_vw - the least R'(S' + w, w), R' being (2) without cap, over all S' that contain Y, j
+and a, since g(Y + j) serves all X that contain Y and j; when that is below lo no plan within the limit cuts so,
+and the term is infinite. (2), (3): induction over S; a plan within the cap only makes such steps. So R bounds
+the travel and C the peak rise of what is left of any plan within cap and limit. Without heat R is exact (Held
+and Karp).
 
 warm is stored with a relative 10^-6 less than computed, more than its rounding.
 """
@@ -182,14 +183,17 @@ def no_warmth() -> np.ndarray:
 
 
 def rooms(plate: Plate, bare: Floats, limit: float, speed: float) -> Floats:
-    """Return the ``room`` of ``warm_table`` for a limit on travel, mm: what R' leaves of it.
+    """Return the ``room`` of ``warm_table`` for a limit on travel, mm: the most that R' of S or more leaves.
 
     A way counts at least its length in travel, so ``(limit - R') / speed`` bounds the time of the ways.
     """
     if not np.isfinite(limit):
         return np.full_like(bare, np.inf)
-    slack = 1e-9 * max(1.0, abs(limit))
-    return (limit + slack - bare) / speed
+    room: Floats = (limit + 1e-9 * max(1.0, abs(limit)) - bare) / speed
+    for contour in range(len(plate.service)):
+        small = np.flatnonzero(np.arange(len(room)) >> contour & 1 == 0)
+        room[small] = np.maximum(room[small], room[small | 1 << contour])
+    return room
 
 
 def subset_cells(first: Ints) -> int:
