@@ -58,7 +58,7 @@ class ExactSearch:
     def _ends(self) -> list[tuple[int, Floats]]:
         """Return the first point of each root, -1 for any, and the ways that end its tours."""
         back, limited = self.plate.back, np.isfinite(self.run.most_travel)
-        if back.shape[1] == 1 and len(self.plate.service) > 0 and self.run.instance.heads[0].home is not None:
+        if self.run.instance.heads[0].home is not None:
             return [(-1, back[:, 0])]
         if not self.run.by_travel and not limited:
             return [(-1, np.zeros(len(back)))]
