@@ -19,7 +19,7 @@ from oracles.exact_sheet import sheet_of
 from oracles.problem import Problem, Tour, plain_problem, tour_length
 
 SLACK = 1e-9
-"""Slack of a cap, relative to the rise, as sums differ by rounding."""
+"""Slack of a cap, relative to its own rise, as sums differ by rounding."""
 
 MM = 1e-3
 
@@ -46,9 +46,8 @@ class HotPlans:
 
     def least_travel(self, cap: float = math.inf) -> HotPlan | None:
         """A shortest plan, and of these a coolest; with a cap (deg C) among those that keep it."""
-        kept = [
-            plan for plan in self.plans if plan.peak - cap <= SLACK * max(1.0, abs(plan.peak - self.ambient))
-        ]
+        most = cap + SLACK * max(1.0, abs(cap - self.ambient))
+        kept = [plan for plan in self.plans if plan.peak <= most]
         return min(kept, key=lambda plan: (plan.travel, plan.peak), default=None)
 
     def least_peak(self) -> HotPlan | None:
