@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from cutgap.formulations.compact_bound import certified_bound, linear_bound
     from cutgap.formulations.front_door import METHODS, choose, resolve, solve
     from cutgap.formulations.pareto import pareto_front
-    from cutgap.formulations.perspective_tour import perspective_bound
     from cutgap.formulations.relaxations.assignment import assignment, two_matching
     from cutgap.formulations.relaxations.bisection import bisection
     from cutgap.formulations.relaxations.connectivity import connectivity
     from cutgap.formulations.relaxations.cycle_distances import cycle_distances
     from cutgap.formulations.relaxations.held_karp import held_karp, one_tree
+    from cutgap.formulations.relaxations.perspective_proof import perspective_bound
     from cutgap.formulations.relaxations.touring import shortest_in_order
     from cutgap.formulations.rungs import LADDER, ladder
 
@@ -27,12 +27,12 @@ _HOMES = {
     "compact_bound": ("certified_bound", "linear_bound"),
     "front_door": ("METHODS", "choose", "resolve", "solve"),
     "pareto": ("pareto_front",),
-    "perspective_tour": ("perspective_bound",),
     "relaxations.assignment": ("assignment", "two_matching"),
     "relaxations.bisection": ("bisection",),
     "relaxations.connectivity": ("connectivity",),
     "relaxations.cycle_distances": ("cycle_distances",),
     "relaxations.held_karp": ("held_karp", "one_tree"),
+    "relaxations.perspective_proof": ("perspective_bound",),
     "relaxations.touring": ("shortest_in_order",),
     "rungs": ("LADDER", "ladder"),
 }

@@ -26,7 +26,6 @@ from typing import Any, Literal
 import cvxpy as cp
 import numpy as np
 
-from cutgap.formulations.relaxations.bound import RelaxationBound
 from cutgap.formulations.relaxations.perspective import (
     PerspectiveModel,
     Relaxed,
@@ -35,19 +34,18 @@ from cutgap.formulations.relaxations.perspective import (
     solve_relaxation,
 )
 from cutgap.formulations.relaxations.perspective_proof import (
+    NAME,
     perspective_certificate,
     proved_bound,
     proved_length,
+    tour_regions,
 )
-from cutgap.formulations.scope import require_any_order
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude, evaluate
 from cutgap.instances.arrays import Floats
-from cutgap.instances.free_entries import region_of
 from cutgap.instances.progress import Progress, Watch, nobody
-from cutgap.instances.region import Hull, Region, point_region
+from cutgap.instances.region import Hull, Region
 from cutgap.instances.tours import improve_tour, nearest_neighbour_tour
 
-NAME = "perspective"
 MOST_WHOLE = 12
 """Regions, the home included; with 10 a round takes some 20 s."""
 CLOSED = 1e-6
@@ -115,51 +113,6 @@ def solve_perspective(
         reason=reason,
     )
     return replace(result, certificate=certificate)
-
-
-def tour_regions(instance: Instance, rules: Rules) -> list[Region]:
-    """Return the regions of the contours, then that of the home.
-
-    Raises
-    ------
-    ValueError
-        When the model does not apply to the instance and the rules.
-    """
-    name = f"instance {instance.name!r}, method {NAME}"
-    require_any_order(instance, rules, NAME)
-    if not rules.free_entries:
-        raise ValueError(f"{name}: is for free entries (Rules.free_entries)")
-    if len(instance.heads) != 1:
-        raise ValueError(f"{name}: needs one head, got {len(instance.heads)}")
-    if instance.machine.metric != "euclidean":
-        raise ValueError(f"{name}: needs the metric euclidean, got {instance.machine.metric}")
-    if rules.via_points:
-        raise ValueError(f"{name}: does not take via points")
-    home = instance.heads[0].home
-    regions = [region_of(instance, contour) for contour in range(len(instance.contours))]
-    return regions if home is None else [*regions, point_region(home)]
-
-
-def perspective_bound(instance: Instance, rules: Rules, *, time_limit: float | None = None) -> RelaxationBound:
-    """Return the certified bound of the perspective relaxation; the time limit is not looked at.
-
-    Raises
-    ------
-    ValueError
-        When entry points are given, or the model does not apply.
-    """
-    begun = time.perf_counter()
-    regions = tour_regions(instance, rules)
-    model = PerspectiveModel(regions, whole=False)
-    solve_relaxation(model)
-    certificate = perspective_certificate(instance, rules, None, relaxed_solution(model).prices)
-    bound = proved_bound(instance, certificate)
-    if certificate is None or bound is None:
-        raise ValueError(f"instance {instance.name!r}, perspective: no bound, its prices prove nothing")
-    rows = model.problem(conic=True).get_problem_data(cp.CLARABEL)[0]["A"]
-    return RelaxationBound(
-        "perspective", bound, rows.shape[1], rows.shape[0], rows.nnz, time.perf_counter() - begun, certificate
-    )
 
 
 class PerspectiveSearch:

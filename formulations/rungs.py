@@ -15,12 +15,12 @@ import numpy as np
 from cutgap.formulations.compact import TOUR_FORMULATIONS
 from cutgap.formulations.compact_bound import linear_bound
 from cutgap.formulations.front_door import solve
-from cutgap.formulations.perspective_tour import perspective_bound
 from cutgap.formulations.relaxations.assignment import two_matching
 from cutgap.formulations.relaxations.bound import RelaxationBound
 from cutgap.formulations.relaxations.connectivity import connectivity
 from cutgap.formulations.relaxations.cycle_distances import cycle_distances
 from cutgap.formulations.relaxations.held_karp import held_karp, one_tree
+from cutgap.formulations.relaxations.perspective_proof import perspective_bound
 from cutgap.instances import Instance, Result, Rules
 from cutgap.instances.progress import Progress, Watch, nobody
 

@@ -169,8 +169,10 @@ def _print(instance: Instance, best: Result | None, rows: Sequence[dict[str, obj
     for column in COLUMNS:
         words = {"gap_percent": "gap [%]", "seconds": "time [s]"}.get(column, column)
         table.add_column(Text(words), justify="left" if column in ("formulation", "kind", "proof") else "right")
+    # Why the others have no bound is said below the table.
     for row in rows:
-        table.add_row(*[_cell(column, row[column]) for column in COLUMNS])
+        if row["bound"] is not None:
+            table.add_row(*[_cell(column, row[column]) for column in COLUMNS])
     output().print(table)
     if best is not None and best.value is not None and not best.violations:
         print(f"best plan {best.value:.3f} {best.rules.unit}, {best.status}")

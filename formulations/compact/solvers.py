@@ -61,8 +61,8 @@ class Outcome:
 
 
 def lowered(bound: float) -> float:
-    """Return a bound lowered by ``AGREEMENT``."""
-    return bound - AGREEMENT * max(1.0, abs(bound))
+    """Return a bound lowered by ``AGREEMENT``, but 0 at least, as every objective is."""
+    return max(0.0, bound - AGREEMENT * max(1.0, abs(bound)))
 
 
 def require_solver(solver: str, *, integer: bool) -> None:

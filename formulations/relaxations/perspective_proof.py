@@ -1,18 +1,30 @@
-"""From the prices of the perspective relaxation to a verified certificate (``certificate.perspective``)."""
+"""The perspective relaxation of an instance, and its prices as a certificate (``certificate.perspective``)."""
 
+import time
 from math import floor
 from typing import Any
 
+import cvxpy as cp
 import numpy as np
 
 from cutgap.formulations.certificate import problem_of, verify
 from cutgap.formulations.certificate.perspective import perspective_length
 from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certify import SCALE, Certificate, certificate_of
-from cutgap.formulations.relaxations.perspective import Prices
+from cutgap.formulations.relaxations.bound import RelaxationBound
+from cutgap.formulations.relaxations.perspective import (
+    PerspectiveModel,
+    Prices,
+    relaxed_solution,
+    solve_relaxation,
+)
+from cutgap.formulations.scope import require_any_order
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.formats.json_format import format_instance
+from cutgap.instances.free_entries import region_of
+from cutgap.instances.region import Region, point_region
 
+NAME = "perspective"
 MULTIPLIER_SCALE = 2**40
 """Vectors are rounded to this part: over regions of a metre that is a nanometre."""
 
@@ -42,6 +54,51 @@ def perspective_certificate(
     work = sum(problem.work(contour, SCALE) for contour in range(len(instance.contours)))
     bound = _whole_length(instance, proof) + (floor(work) if rules.objective == "makespan" else 0)
     return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, lambda _: (bound, proof))
+
+
+def tour_regions(instance: Instance, rules: Rules) -> list[Region]:
+    """Return the regions of the contours, then that of the home.
+
+    Raises
+    ------
+    ValueError
+        When the model does not apply to the instance and the rules.
+    """
+    name = f"instance {instance.name!r}, method {NAME}"
+    require_any_order(instance, rules, NAME)
+    if not rules.free_entries:
+        raise ValueError(f"{name}: is for free entries (Rules.free_entries)")
+    if len(instance.heads) != 1:
+        raise ValueError(f"{name}: needs one head, got {len(instance.heads)}")
+    if instance.machine.metric != "euclidean":
+        raise ValueError(f"{name}: needs the metric euclidean, got {instance.machine.metric}")
+    if rules.via_points:
+        raise ValueError(f"{name}: does not take via points")
+    home = instance.heads[0].home
+    regions = [region_of(instance, contour) for contour in range(len(instance.contours))]
+    return regions if home is None else [*regions, point_region(home)]
+
+
+def perspective_bound(instance: Instance, rules: Rules, *, time_limit: float | None = None) -> RelaxationBound:
+    """Return the certified bound of the perspective relaxation; the time limit is not looked at.
+
+    Raises
+    ------
+    ValueError
+        When entry points are given, or the model does not apply.
+    """
+    begun = time.perf_counter()
+    regions = tour_regions(instance, rules)
+    model = PerspectiveModel(regions, whole=False)
+    solve_relaxation(model)
+    certificate = perspective_certificate(instance, rules, None, relaxed_solution(model).prices)
+    bound = proved_bound(instance, certificate)
+    if certificate is None or bound is None:
+        raise ValueError(f"instance {instance.name!r}, perspective: no bound, its prices prove nothing")
+    rows = model.problem(conic=True).get_problem_data(cp.CLARABEL)[0]["A"]
+    return RelaxationBound(
+        "perspective", bound, rows.shape[1], rows.shape[0], rows.nnz, time.perf_counter() - begun, certificate
+    )
 
 
 def _whole_length(instance: Instance, proof: dict[str, Any]) -> int:
