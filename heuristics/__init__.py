@@ -9,6 +9,8 @@ import numpy as np
 
 from cutgap.heuristics.ant_colony import AntColonyParameters, ant_colony
 from cutgap.heuristics.clustering import fuzzy_c_means, k_means
+from cutgap.heuristics.dual_coded import dual_coded, has_hot_route
+from cutgap.heuristics.dual_coded_fitness import DualCodedParameters
 from cutgap.heuristics.entry_search import entry_search
 from cutgap.heuristics.local_search import local_search
 from cutgap.heuristics.sides import has_one_head, has_tours, has_two_sides, on_curves
@@ -64,6 +66,11 @@ class Heuristic:
 PRICED = AntColonyParameters(dropped_price_mm=20_000.0)
 """The reference's ants step across what is cut when they are stuck, and others follow; these pay for it."""
 
+COOL = DualCodedParameters(mu=0.6)
+IMPROVED = DualCodedParameters(mu=None)
+PLAIN = DualCodedParameters(mu=None, conventional=True)
+"""The other rows of the table of Yang, Liu, Ju (2012)."""
+
 HEURISTICS: dict[str, Heuristic] = {
     "task-balancing": Heuristic(task_balancing, has_two_sides),
     "k-means": Heuristic(k_means, has_two_sides),
@@ -72,6 +79,10 @@ HEURISTICS: dict[str, Heuristic] = {
     "entry-search": Heuristic(entry_search, has_one_head),
     "ant-colony": Heuristic(ant_colony, has_one_head),
     "priced-ant-colony": Heuristic(partial(ant_colony, parameters=PRICED), on_curves),
+    "dual-coded-ga": Heuristic(dual_coded, has_hot_route),
+    "dual-coded-ga-cool": Heuristic(partial(dual_coded, parameters=COOL), has_hot_route),
+    "dual-coded-ga-travel": Heuristic(partial(dual_coded, parameters=IMPROVED), has_hot_route),
+    "plain-ga": Heuristic(partial(dual_coded, parameters=PLAIN), has_hot_route),
 }
 
 __all__ = [
@@ -79,6 +90,7 @@ __all__ = [
     "Heuristic",
     "PlanMaker",
     "ant_colony",
+    "dual_coded",
     "entry_search",
     "fuzzy_c_means",
     "k_means",
