@@ -79,6 +79,7 @@ FILE_SUITES: dict[str, str] = {"gtsp": ".gtsp", "pcgtsp": ".pcglns", "cutting-pa
 
 SUITE_RULES: dict[str, Rules] = {
     **dict.fromkeys(FILE_SUITES, Rules("travel")),
+    **dict.fromkeys(("plate30", "plate30-dense", "small-plates"), Rules("travel", clear_rapids=True)),
     "nest28": Rules(
         "travel", parts_in_one_go=True, neighbours_only=True, clear_rapids=True, backward_price=0.1
     ),

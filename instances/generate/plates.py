@@ -1,7 +1,7 @@
 r"""Plates of polygons, circles and ellipses: the reference's, and smaller ones on which heat matters.
 
 ``plate``        30 contours on 10 m x 5 m, one in each cell of a 6 x 5 grid, at a random place in it
-``dense_plate``  contours of 8 to 20 mm in rows, webs of 2 to 5 mm between their circles
+``dense_plate``  contours of 8 to 20 mm in three rows, webs of 2 to 5 mm between the circles around them
 
 45 steel of 5 mm, 1000 W, 2.5 m/min, axes at 4 m/min that move at once; no time for piercing, which the
 reference does not count. Start points are the corners of polygons and eight points at equal angles of circles
@@ -34,6 +34,7 @@ GRID = (6, 5)
 PLATE_DIAMETERS = (250.0, 800.0)
 DENSE_DIAMETERS = (8.0, 20.0)
 DENSE_WEBS = (2.0, 5.0)
+DENSE_ROWS = 3
 CORNERS = (3, 7)
 """Fewest corners of a polygon, and one more than most."""
 CURVE_POINTS = 64
@@ -62,8 +63,12 @@ def plate(contours: int, rng: np.random.Generator) -> Instance:
 
 
 def dense_plate(contours: int, rng: np.random.Generator) -> Instance:
-    """Return small contours in rows, as near to each other as webs of 2 to 5 mm allow."""
-    columns = max(1, math.ceil(math.sqrt(1.5 * contours)))
+    """Return small contours in rows, as near to each other as webs of 2 to 5 mm allow.
+
+    Three rows: neighbours above and below are still hot when a short route comes by, and a plate so long has
+    room to keep away from them.
+    """
+    columns = math.ceil(contours / DENSE_ROWS)
     made: list[Contour] = []
     lower = 0.0
     while len(made) < contours:

@@ -6,6 +6,9 @@
     Stand-ins for the real parts of its Table 2: 76 and 91 holes.
 ``nest28``
     A nest of 28 sheet-metal parts with the boxes and perimeters of Table 1 of Li et al. (2019): 47 contours.
+``plate30``, ``plate30-dense``, ``small-plates``
+    Plates under heat like that of Yang, Liu, Ju (2012), which is not published: three on its 10 m x 5 m, three
+    small and close together, and twelve such ones of 6 to 12 contours.
 ``small``
     6 to 14 holes: random, tied in x, coincident, collinear, all in one column.
 """
@@ -36,6 +39,13 @@ RECIPES: dict[str, tuple[Recipe, ...]] = {
     "b-pillars": (Recipe("b-pillars", "b-pillars", 76, 76),),
     "door-panel": (Recipe("door-panel", "door-panel", 91, 91),),
     "nest28": (Recipe("nest28", "nest28", 47, 28),),
+    "plate30": tuple(Recipe(f"plate30-{seed}", "plate", 30, seed) for seed in range(3)),
+    "plate30-dense": tuple(Recipe(f"plate30-dense-{seed}", "dense-plate", 30, seed) for seed in range(3)),
+    "small-plates": tuple(
+        Recipe(f"small-plate-{holes:02d}-{seed}", "dense-plate", holes, seed)
+        for holes in (6, 8, 10, 12)
+        for seed in range(3)
+    ),
     "small": tuple(
         Recipe(f"small-{kind}-{holes:02d}", kind, holes, holes)
         for kind, sizes in {

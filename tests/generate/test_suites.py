@@ -42,13 +42,14 @@ def test_sizes_are_those_of_the_reference():
     assert [len(part.contours) for part in load_suite("door-panel")] == [91]
     assert [len({contour.part for contour in nest.contours}) for nest in load_suite("nest28")] == [28]
     assert {len(part.contours) for part in load_suite("small")} == set(range(6, 15))
+    assert [len(plate.contours) for plate in load_suite("plate30")] == [30] * 3
+    assert [len(plate.contours) for plate in load_suite("plate30-dense")] == [30] * 3
+    assert {len(plate.contours) for plate in load_suite("small-plates")} == {6, 8, 10, 12}
 
 
 def test_an_unknown_suite_lists_the_known_ones():
     for function in (load_suite, build_suite):
-        with pytest.raises(
-            ValueError, match=r"suite: expected one of table1, b-pillars, door-panel, nest28, small, got 'x'"
-        ):
+        with pytest.raises(ValueError, match=f"suite: expected one of {', '.join(SUITES)}, got 'x'"):
             function("x")
 
 

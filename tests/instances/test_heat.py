@@ -123,13 +123,6 @@ def test_heat_without_material_or_curves_is_refused():
         peak_temperature(plate(bare), Plan.of_contours([[0]]))
 
 
-def test_a_route_in_order_is_hotter_than_one_that_jumps_about():
-    instance = generate("dense-plate", holes=9, seed=3)
-    in_order = peak_temperature(instance, Plan.of_contours([range(9)]))
-    about = peak_temperature(instance, Plan.of_contours([[0, 5, 1, 6, 2, 7, 3, 8, 4]]))
-    assert about < in_order
-
-
 def test_generated_plates_have_curves_that_stand_apart():
     import shapely
 
