@@ -67,8 +67,8 @@ def dual_coded(
     require_dual_coded(instance, rules)
     if not instance.contours:
         return Plan(((),))
-    population = evolve(instance, rules, rng, watch, time_limit, parameters or DualCodedParameters())
-    return population.answer
+    plate = plate_of(instance, rules)
+    return evolve(instance, rules, parameters or DualCodedParameters(), plate, rng, watch, time_limit).answer
 
 
 def front_of_population(
@@ -86,7 +86,8 @@ def front_of_population(
     require_dual_coded(instance, rules)
     if not instance.contours:
         return [Plan(((),))]
-    population = evolve(instance, rules, rng, nobody, time_limit, parameters or DualCodedParameters())
+    plate = plate_of(instance, rules)
+    population = evolve(instance, rules, parameters or DualCodedParameters(), plate, rng, nobody, time_limit)
     return [plan_of_route(order, starts) for order, starts in zip(*population.front[2:], strict=True)]
 
 
@@ -118,14 +119,15 @@ def has_hot_route(instance: Instance, rules: Rules) -> bool:
 def evolve(
     instance: Instance,
     rules: Rules,
-    rng: np.random.Generator,
-    watch: Watch,
-    time_limit: float | None,
     parameters: DualCodedParameters,
+    plate: Plate,
+    rng: np.random.Generator,
+    watch: Watch = nobody,
+    time_limit: float | None = None,
 ) -> "Population":
-    """Run the generations."""
+    """Run the generations on a plate of the instance."""
     clock = Clock(time_limit)
-    population = Population(instance, rules, parameters, rng)
+    population = Population(instance, rules, parameters, plate, rng)
     try:
         for generation in range(parameters.generations + 1):
             if generation > 0:
@@ -143,11 +145,15 @@ class Population:
     """One generation, and of all so far the best individual and the front (travel, rise, orders, starts)."""
 
     def __init__(
-        self, instance: Instance, rules: Rules, parameters: DualCodedParameters, rng: np.random.Generator
+        self,
+        instance: Instance,
+        rules: Rules,
+        parameters: DualCodedParameters,
+        plate: Plate,
+        rng: np.random.Generator,
     ) -> None:
-        self.instance, self.rules, self.parameters = instance, rules, parameters
-        self.plate = plate_of(instance, rules)
-        self.travel_unit = travel_unit(instance, self.plate, parameters)
+        self.instance, self.rules, self.parameters, self.plate = instance, rules, parameters, plate
+        self.travel_unit = travel_unit(plate, parameters)
         ambient = require_heat(instance).ambient_c
         self.room = np.inf if rules.temperature_cap is None else rules.temperature_cap - ambient
         self.operators = Operators(

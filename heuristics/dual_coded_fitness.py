@@ -23,7 +23,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cutgap.heuristics.hot_routes import Plate, nearest_neighbours, peak_rise, travel_of
-from cutgap.instances import Instance
 from cutgap.instances.arrays import Floats, finite_number
 
 ROOM_C = 20.0
@@ -104,17 +103,16 @@ class DualCodedParameters:
             )
 
 
-def travel_unit(instance: Instance, plate: Plate, parameters: DualCodedParameters) -> float:
+def travel_unit(plate: Plate, parameters: DualCodedParameters) -> float:
     """Return how many mm of travel count 1 in f_1."""
-    speed = instance.machine.v_jump
     if parameters.printed_units:
-        return speed
+        return plate.speed
     order, starts = nearest_neighbours(plate)
     rise = peak_rise(plate, order, starts, np.empty(len(order)))
-    seconds = travel_of(plate, order, starts) / speed
+    seconds = travel_of(plate, order, starts) / plate.speed
     factor = seconds / SHORTEST_S * SHORTEST_C / (ROOM_C + rise)
     # A route of no length, or through the end of a contour, is no measure.
-    return speed * factor if 0.0 < factor < np.inf else speed
+    return plate.speed * (factor if 0.0 < factor < np.inf else 1.0)
 
 
 def raw_fitness(f_1: Floats, rises: Floats, room: float, parameters: DualCodedParameters) -> Floats:

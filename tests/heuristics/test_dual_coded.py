@@ -74,10 +74,10 @@ def test_a_translated_mu_weighs_a_nearest_neighbour_route_as_the_printed_one():
     instance = generate("dense-plate", holes=12, seed=1)
     plate = plate_of(instance, Rules())
     found = evaluate(instance, plan_of_route(*nearest_neighbours(plate)))
-    unit = travel_unit(instance, plate, DualCodedParameters())
+    unit = travel_unit(plate, DualCodedParameters())
     ratio = (found.total_travel_mm / unit) / found.peak_temperature_c
     assert ratio == pytest.approx(38.87 * 15.0 / 350.99)
-    assert travel_unit(instance, plate, DualCodedParameters(printed_units=True)) == instance.machine.v_jump
+    assert travel_unit(plate, DualCodedParameters(printed_units=True)) == instance.machine.v_jump
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 8))
