@@ -86,7 +86,10 @@ HEURISTICS: dict[str, Heuristic] = {
 }
 
 __all__ = [
+    "COOL",
     "HEURISTICS",
+    "IMPROVED",
+    "PLAIN",
     "Heuristic",
     "PlanMaker",
     "ant_colony",

@@ -142,7 +142,7 @@ def evolve(
 
 
 class Population:
-    """One generation, and of all so far the best individual and the front (travel, rise, orders, starts)."""
+    """One generation, and of all so far the best individual, its ``figures`` (travel, rise), and the front."""
 
     def __init__(
         self,
@@ -192,6 +192,7 @@ class Population:
         self.improved = score < self.score
         if self.improved:
             self.score, self.answer = score, plan_of_route(self.orders[best], self.starts[best])
+            self.figures = (float(travels[best]), float(rises[best]))
         clear = barred == 0
         self.front = merged_front(
             self.front, (travels[clear], rises[clear], self.orders[clear], self.starts[clear])
