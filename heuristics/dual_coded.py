@@ -18,8 +18,6 @@ What the source leaves open, and how it is read here:
 - "Conventional" is the same encoding with order crossover (OX), swaps, new starts at random, and F = F'.
 """
 
-from typing import Any
-
 import numba
 import numpy as np
 
@@ -56,8 +54,8 @@ def dual_coded(
 ) -> Plan:
     """Plan one head by the fitness (1), whatever the objective of the rules; the cap T_s is theirs.
 
-    Stopped by the time limit (in s) or by Ctrl-C, it returns the best plan so far; the first generation is made
-    in any case.
+    Stopped by the time limit (in s) or by Ctrl-C, it returns the best plan so far; one route is made in any
+    case.
 
     Raises
     ------
@@ -127,7 +125,7 @@ def evolve(
 ) -> "Population":
     """Run the generations on a plate of the instance."""
     clock = Clock(time_limit)
-    population = Population(instance, rules, parameters, plate, rng)
+    population = Population(instance, rules, parameters, plate, rng, clock)
     try:
         for generation in range(parameters.generations + 1):
             if generation > 0:
@@ -151,6 +149,7 @@ class Population:
         parameters: DualCodedParameters,
         plate: Plate,
         rng: np.random.Generator,
+        clock: Clock,
     ) -> None:
         self.instance, self.rules, self.parameters, self.plate = instance, rules, parameters, plate
         self.travel_unit = travel_unit(plate, parameters)
@@ -166,7 +165,7 @@ class Population:
         nothing = np.empty((0, len(instance.contours)), dtype=np.int64)
         self.front: Front = (np.empty(0), np.empty(0), nothing, nothing)
         self.score = (np.inf, np.inf, np.inf)
-        self.orders, self.starts = first_generation(self.plate, parameters.population, rng)
+        self.orders, self.starts = first_generation(plate, parameters.population, rng, clock)
         self.measure()
 
     def breed(self, generation: int, rng: np.random.Generator) -> None:
@@ -212,12 +211,13 @@ def merged_front(one: Front, other: Front) -> Front:
     return travels[kept], rises[kept], orders[kept], starts[kept]
 
 
-@numba.njit(cache=True)
-def first_generation(plate: Plate, size: int, rng: Any) -> tuple[Ints, Ints]:
-    """Return random routes, shape (size, contours) each row."""
-    orders = np.zeros((size, len(plate.before)), np.int64)
-    starts = np.zeros((size, len(plate.before)), np.int64)
+def first_generation(plate: Plate, size: int, rng: np.random.Generator, clock: Clock) -> tuple[Ints, Ints]:
+    """Return random routes, shape (size, contours) each row; copies of the first once the time is over."""
+    orders, starts = np.zeros((2, size, len(plate.before)), dtype=np.int64)
     for i in range(size):
+        if i > 0 and clock.over:
+            orders[i:], starts[i:] = orders[0], starts[0]
+            break
         random_route(plate, orders[i], starts[i], rng)
     return orders, starts
 

@@ -31,8 +31,8 @@ ROOM_C = 20.0
 SHORTEST_S, SHORTEST_C = 38.87 * 60.0 / 4.0, 350.99
 """f_1 and f_2 of the shortest route that is printed: 38.87 m at 4 m/min."""
 
-LEAST_MM = 1e-3
-"""Travel counts as this at least in (1)."""
+SMALLEST = 1e-3
+"""f_1 counts as this at least in (1)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +77,10 @@ class DualCodedParameters:
     tries: int = 20
 
     def __post_init__(self) -> None:
+        self._check_effort()
+        self._check_scaling()
+
+    def _check_effort(self) -> None:
         for name, least in (("population", 2), ("generations", 1), ("tries", 1)):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or value < least:
@@ -87,6 +91,8 @@ class DualCodedParameters:
             value = finite_number(getattr(self, name), f"dual-coded, {name}", least=0.0)
             if value > 1.0:
                 raise ValueError(f"dual-coded, {name}: expected at most 1, got {value:g}")
+
+    def _check_scaling(self) -> None:
         if self.mu is not None:
             finite_number(self.mu, "dual-coded, mu", above=0.0)
         for name in ("c_1", "c_2", "penalty"):
@@ -94,7 +100,13 @@ class DualCodedParameters:
         for name in ("k_1", "start_shape"):
             finite_number(getattr(self, name), f"dual-coded, {name}", least=0.0)
         finite_number(self.k_2, "dual-coded, k_2")
-        lowest = self.k_2 * max(1.0, self.c_2**self.generations)
+        with np.errstate(over="ignore"):
+            highest, lowest = (
+                k * max(1.0, float(np.power(c, self.generations)))
+                for k, c in ((self.k_1, self.c_1), (self.k_2, self.c_2))
+            )
+        if not highest < np.inf:
+            raise ValueError(f"dual-coded, c_1: c_1^{self.generations} is no finite number, got {self.c_1:g}")
         if not -1.0 <= lowest <= 0.0:
             most = 20.0 ** (1 / self.generations) - 5e-6
             raise ValueError(
@@ -127,7 +139,7 @@ def raw_fitness(f_1: Floats, rises: Floats, room: float, parameters: DualCodedPa
     room
         T_s above ambient, K; infinite without one.
     """
-    short = 1.0 / np.maximum(f_1, LEAST_MM)
+    short = 1.0 / np.maximum(f_1, SMALLEST)
     if parameters.mu is None:
         return short
     f_2 = ROOM_C + rises + parameters.penalty * np.maximum(0.0, rises - room)
