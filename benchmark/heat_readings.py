@@ -89,7 +89,7 @@ def distances(instance: Instance, reading: Reading) -> Floats:
 def lags(instance: Instance, plan: Plan, reading: Reading) -> Floats:
     """Return t in s of each contour of the tour (rows) for each earlier one, shape (contours, contours)."""
     tour = plan.tours[0]
-    nodes = [instance.node(*visit) for visit in tour]
+    nodes = [instance.node(*visit[:2]) for visit in tour]
     rapids = np.array([instance.rapid_length(a, b) for a, b in pairwise(nodes)]) / instance.machine.v_jump
     cuts = instance.service_times[[visit.contour for visit in tour]]
     if reading.lag == "own leg":
@@ -104,7 +104,7 @@ def lags(instance: Instance, plan: Plan, reading: Reading) -> Floats:
 def peak_c(instance: Instance, plan: Plan, reading: Reading) -> float:
     """Return the peak temperature of one head's plan by a reading, deg C from ``ROOM_C``."""
     tour = plan.tours[0]
-    nodes, contours = [instance.node(*visit) for visit in tour], [visit.contour for visit in tour]
+    nodes, contours = [instance.node(*visit[:2]) for visit in tour], [visit.contour for visit in tour]
     spread, constant = diffusivity(instance), kernel_constant(instance)
     t = lags(instance, plan, reading) / (MINUTE if reading.units == "minutes" else 1.0)
     spread *= MINUTE if reading.units == "a in 1/min" else 1.0
