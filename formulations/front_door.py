@@ -140,6 +140,8 @@ def resolve(method: str, instance: Instance, rules: Rules) -> str:
             f"method {name}: its bound holds for given entry points, not for free entries; "
             f"take {' or '.join(FREE_ENTRIES)}"
         )
+    if rules.links:
+        raise ValueError(f"method {name}: pierces each contour, its bound does not hold with links")
     if rules.speaks_of_heat and name not in HEAT:
         raise ValueError(f"method {name}: does not know temperatures; take {' or '.join(HEAT)}")
     return name

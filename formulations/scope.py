@@ -39,7 +39,9 @@ def require_symmetric(instance: Instance, method: str) -> None:
 
 
 def require_given_entries(instance: Instance, rules: Rules, method: str) -> None:
-    """Raise ``ValueError`` when contours may be entered anywhere, which bounds for given entry points miss."""
+    """Raise ``ValueError`` when contours may be entered anywhere or by links, which other bounds miss."""
+    if rules.links:
+        raise ValueError(f"instance {instance.name!r}, {method}: pierces each contour, takes no links")
     if rules.free_entries:
         raise ValueError(f"instance {instance.name!r}, {method}: takes given entry points, not free entries")
 

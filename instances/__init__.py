@@ -3,7 +3,7 @@
 from cutgap.instances.check import check
 from cutgap.instances.evaluate import Evaluation, evaluate
 from cutgap.instances.instance import Contour, Head, Instance, Machine, Material
-from cutgap.instances.plan import Plan, Visit
+from cutgap.instances.plan import Link, Plan, Visit
 from cutgap.instances.result import Result, Status, conclude
 from cutgap.instances.rules import Rules
 from cutgap.instances.violation import Violation
@@ -13,6 +13,7 @@ __all__ = [
     "Evaluation",
     "Head",
     "Instance",
+    "Link",
     "Machine",
     "Material",
     "Plan",

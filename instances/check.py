@@ -1,11 +1,10 @@
 """Whether a plan is allowed: one violation per broken constraint, from instance, rules and plan alone."""
 
-from collections import Counter
-
 from cutgap.instances.evaluate import Evaluation, evaluate
 from cutgap.instances.free_entries import entries_in_regions, pinned
 from cutgap.instances.heat import require_heat
 from cutgap.instances.instance import Instance
+from cutgap.instances.links.link_check import cut_counts, link_violations, require_links
 from cutgap.instances.plan import Plan
 from cutgap.instances.process import require_geometry
 from cutgap.instances.process_check import process_violations
@@ -39,6 +38,7 @@ def check(instance: Instance, rules: Rules, plan: Plan) -> list[Violation]:
         *entries,
         *temperature(instance, rules, evaluation),
         *process_violations(instance, rules, plan),
+        *link_violations(instance, rules, plan),
     ]
 
 
@@ -52,6 +52,8 @@ def require_coordinates(instance: Instance, rules: Rules) -> None:
         raise ValueError(f"instance {instance.name!r} has a matrix, which holds no lengths to free entries")
     if rules.speaks_of_heat:
         require_heat(instance)
+    if rules.links:
+        require_links(instance, rules)
     if instance.located:
         return
     if rules.backward_price > 0:
@@ -65,7 +67,7 @@ def require_coordinates(instance: Instance, rules: Rules) -> None:
 
 def each_contour_once(instance: Instance, plan: Plan) -> list[Violation]:
     """Each contour is cut once, by one head."""
-    counts = Counter(visit.contour for tour in plan.tours for visit in tour)
+    counts = cut_counts(instance, plan)
     return [
         Violation(
             "each contour once",
@@ -141,8 +143,8 @@ def precedence(instance: Instance, plan: Plan) -> list[Violation]:
 
     On one head the order decides: contours that take no time at one place all start at once.
     """
-    if not instance.precedence:
-        return []
+    if not instance.precedence or plan.links:
+        return []  # with links the end of a contour decides (``link_check``)
     starts = start_times(instance, plan)
     turns = {visit.contour: (head, i) for head, tour in enumerate(plan.tours) for i, visit in enumerate(tour)}
     broken = []

@@ -86,6 +86,8 @@ def pinned(instance: Instance, plan: Plan) -> tuple[Instance, Plan]:
         raise ValueError(
             f"instance {instance.name!r} has a matrix, which holds no lengths to a plan's own points"
         )
+    if plan.links:
+        raise ValueError("plan: has links and points of its own; links join entry points of the instance")
     places: dict[int, list[Floats]] = {}
     tours = []
     for tour in plan.tours:

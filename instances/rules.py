@@ -48,6 +48,10 @@ class Rules:
         alone.
     temperature_cap
         Highest start-point temperature allowed, deg C; ``None`` sets no limit.
+    links
+        Contours may be joined by links, which the torch cuts without going out (``links.strokes``).
+    pierces
+        Most pierces, with links only; 1 asks for everything in one stroke. ``None`` sets no limit.
     """
 
     objective: Objective = "makespan"
@@ -62,6 +66,8 @@ class Rules:
     backward_price: float = 0.0
     free_entries: bool = False
     temperature_cap: float | None = None
+    links: bool = False
+    pierces: int | None = None
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:
@@ -80,10 +86,19 @@ class Rules:
         if self.temperature_cap is not None:
             cap = finite_number(self.temperature_cap, "rules, temperature_cap")
             object.__setattr__(self, "temperature_cap", cap)
+        self._check_pierces()
         for name in ("non_overlap", "balance"):
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, finite_number(value, f"rules, {name}", least=0.0))
+
+    def _check_pierces(self) -> None:
+        if self.pierces is None:
+            return
+        if isinstance(self.pierces, bool) or not isinstance(self.pierces, int) or self.pierces < 1:
+            raise ValueError(f"rules, pierces: expected a whole number of at least 1, got {self.pierces!r}")
+        if not self.links:
+            raise ValueError("rules, pierces: goes with links; without them each contour is pierced once")
 
     @property
     def process(self) -> tuple[str, ...]:

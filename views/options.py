@@ -61,6 +61,10 @@ class RuleOptions:
     """A contour may be entered anywhere in its region, not at its entry points alone."""
     temperature_cap: float | None = None
     """Highest temperature of a start point in deg C."""
+    links: Choice = None
+    """Contours may be joined by links, which the torch cuts without going out."""
+    pierces: int | None = None
+    """Most pierces, with --links."""
 
     def rules(self, base: Rules = DEFAULTS) -> Rules:
         """Return ``base`` with what is given put in its place.

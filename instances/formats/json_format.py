@@ -14,13 +14,14 @@ from cutgap.instances.formats.json_models import (
     ContourModel,
     EllipsoidModel,
     InstanceModel,
+    LinkModel,
     PlanModel,
     VisitModel,
 )
 from cutgap.instances.formats.json_text import fit_format, load_json, parse_json
 from cutgap.instances.formats.options import MachineOptions
 from cutgap.instances.instance import Contour, Head, Instance, Machine, Material
-from cutgap.instances.plan import Plan, Visit
+from cutgap.instances.plan import Link, Plan, Visit
 from cutgap.instances.region import Ellipsoid
 
 INSTANCE_FORMAT = "cutgap-instance"
@@ -118,20 +119,36 @@ def parse_plan(text: str, instance: Instance) -> Plan:
     for head in heads:
         if head not in tours:
             raise ValueError(f"tours: none for head {head!r}; give it one, with no visits if it has no work")
-    return Plan(tuple(tours[head] for head in heads))
+    links = (_link(instance, positions, link, f"links[{number}]") for number, link in enumerate(model.links))
+    return Plan(tuple(tours[head] for head in heads), tuple(links))
 
 
 def _visit(instance: Instance, positions: dict[str, int], visit: VisitModel, place: str) -> Visit:
-    if visit.contour not in positions:
-        raise ValueError(f"{place}.contour: no contour has the id {visit.contour[:40]!r}")
-    contour = positions[visit.contour]
-    count = len(instance.contours[contour].entry_points)
-    if visit.entry >= count:
-        raise ValueError(f"{place}.entry: expected less than {count}, got {visit.entry}")
+    contour = _contour_at(instance, positions, visit.contour, visit.entry, place, "")
     if visit.point is None:
         return Visit(contour, visit.entry)
     x, y, z = visit.point
     return Visit(contour, visit.entry, (x, y, z))
+
+
+def _link(instance: Instance, positions: dict[str, int], link: LinkModel, place: str) -> Link:
+    one = _contour_at(instance, positions, link.contour, link.entry, place, "")
+    other = _contour_at(instance, positions, link.to_contour, link.to_entry, place, "to_")
+    if one == other:
+        raise ValueError(f"{place}.to_contour: {link.to_contour[:40]!r} again; a link joins two contours")
+    return Link(one, link.entry, other, link.to_entry, link.passes)
+
+
+def _contour_at(
+    instance: Instance, positions: dict[str, int], name: str, entry: int, place: str, prefix: str
+) -> int:
+    """Return the index of a contour that is named with an entry point."""
+    if name not in positions:
+        raise ValueError(f"{place}.{prefix}contour: no contour has the id {name[:40]!r}")
+    count = len(instance.contours[positions[name]].entry_points)
+    if entry >= count:
+        raise ValueError(f"{place}.{prefix}entry: expected less than {count}, got {entry}")
+    return positions[name]
 
 
 def format_plan(plan: Plan, instance: Instance) -> str:
@@ -144,7 +161,15 @@ def format_plan(plan: Plan, instance: Instance) -> str:
         }
         for head, tour in zip(instance.heads, plan.tours, strict=True)
     ]
-    return _layout({"format": PLAN_FORMAT, "version": VERSION, "instance": instance.name, "tours": tours})
+    document = {"format": PLAN_FORMAT, "version": VERSION, "instance": instance.name, "tours": tours}
+    if plan.links:
+        document["links"] = [_link_fields(instance, link) for link in plan.links]
+    return _layout(document)
+
+
+def _link_fields(instance: Instance, link: Link) -> dict[str, Any]:
+    ends = (instance.contours[link.contour].id, instance.contours[link.to_contour].id)
+    return {**link._asdict(), "contour": ends[0], "to_contour": ends[1]}
 
 
 def _visit_fields(instance: Instance, visit: Visit) -> dict[str, Any]:

@@ -129,6 +129,16 @@ class TourModel(_Model):
     visits: Annotated[list[VisitModel], Field(fail_fast=True)]
 
 
+class LinkModel(_Model):
+    """A straight cut between entry points of two contours."""
+
+    contour: Name = Field(description="Id of the contour at one end.")
+    entry: int = Field(ge=0, description="Number of its entry point, from 0.")
+    to_contour: Name = Field(description="Id of the contour at the other end.")
+    to_entry: int = Field(ge=0, description="Number of its entry point, from 0.")
+    passes: int = Field(default=2, ge=1, le=2, description="How often it is cut.")
+
+
 class PlanModel(_Model):
     """Which head cuts what, in which order."""
 
@@ -136,6 +146,9 @@ class PlanModel(_Model):
     version: Literal[1]
     instance: Text = Field(description="Name of the instance, for people; ids say what is meant.")
     tours: Annotated[list[TourModel], Field(fail_fast=True)] = Field(description="One a head, in any order.")
+    links: Annotated[list[LinkModel], Field(fail_fast=True)] = Field(
+        default=[], description="Links, with which a visit starts a stroke through all linked contours."
+    )
 
 
 SCHEMAS: dict[str, type[_Model]] = {"instance.schema.json": InstanceModel, "plan.schema.json": PlanModel}

@@ -1,0 +1,160 @@
+"""Strokes over links: figures by hand on squares."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cutgap.instances import Contour, Head, Instance, Link, Machine, Plan, Rules, Visit, check, evaluate
+from cutgap.instances.formats.json_format import format_plan, parse_plan
+from cutgap.instances.links.clearance import blocked
+from cutgap.instances.links.strokes import strokes
+from cutgap.instances.links.trajectory import trajectory
+
+ONE_STROKE = Rules("travel", links=True, pierces=1)
+MACHINE = Machine(v_jump=100.0, v_cut=10.0, t_aux=7.0)
+
+
+def square(name: str, x: float, y: float, side: float = 10.0) -> Contour:
+    """A square by its lower left corner; entry points are its corners, counter-clockwise from there."""
+    corners = np.array([[x, y], [x + side, y], [x + side, y + side], [x, y + side]])
+    return Contour(name, np.column_stack((corners, np.zeros(4))), 4 * side, geometry=corners)
+
+
+def sheet(*squares: Contour, precedence: tuple[tuple[int, int], ...] = ()) -> Instance:
+    """Squares, one head at the origin."""
+    return Instance("squares", squares, (Head("head", np.zeros(3)),), MACHINE, precedence)
+
+
+ROW = sheet(square("a", 0, 10), square("b", 14, 10), square("c", 30, 10))
+"""Three squares, 4 and 6 mm apart, 10 mm above the home."""
+
+TREE = Plan(((Visit(0, 0),),), (Link(0, 1, 1, 0), Link(1, 2, 2, 3)))
+OPEN = Plan(((Visit(0, 0),),), (Link(0, 1, 1, 0), Link(1, 1, 2, 0, 1)))
+
+
+def names(instance: Instance, rules: Rules, plan: Plan) -> set[str]:
+    return {violation.constraint for violation in check(instance, rules, plan)}
+
+
+def test_a_doubled_tree_is_one_stroke_that_ends_where_it_starts() -> None:
+    evaluation = evaluate(ROW, TREE)
+    assert evaluation.link_mm == (20.0,)
+    assert evaluation.travel_mm == (20.0 + 20.0,)
+    assert evaluation.time_s == (pytest.approx(20 / 100 + (120 + 20) / 10 + 7),)
+    assert evaluation.pierces == (1,)
+    assert check(ROW, ONE_STROKE, TREE) == []
+
+
+def test_a_stroke_may_end_elsewhere() -> None:
+    plan = Plan(((Visit(0, 0),),), (Link(0, 0, 1, 0, 1), Link(1, 0, 2, 0, 1)))
+    assert blocked(ROW, [0, 4], [4, 8]).tolist() == [False, False]  # along the lower edges
+    (stroke,) = strokes(ROW, plan)[0]
+    assert (stroke.start, stroke.end) == (0, 8)
+    back = np.hypot(30, 10)
+    assert evaluate(ROW, plan).travel_mm == (pytest.approx(10 + 14 + 16 + back),)
+    assert check(ROW, ONE_STROKE, plan) == []
+
+
+def test_an_odd_number_of_links_at_a_node_is_refused() -> None:
+    assert "even nodes" in names(ROW, ONE_STROKE, OPEN)
+    with pytest.raises(ValueError, match="odd number of links"):
+        trajectory(ROW, OPEN)
+
+
+def test_a_link_through_a_part_is_refused() -> None:
+    plan = Plan(((Visit(0, 0),),), (Link(0, 1, 2, 0), Link(0, 1, 1, 0)))
+    assert blocked(ROW, [1, 0], [8, 6]).tolist() == [False, True]
+    assert names(ROW, ONE_STROKE, plan) == set()
+    across = Plan(((Visit(0, 0),),), (Link(0, 2, 2, 0), Link(0, 1, 1, 0)))
+    assert names(ROW, ONE_STROKE, across) == {"clear links"}
+
+
+def test_what_is_not_linked_is_not_cut() -> None:
+    plan = Plan(((Visit(0, 0),),), TREE.links[:1])
+    assert names(ROW, ONE_STROKE, plan) == {"each contour once"}
+    two = Plan(((Visit(0, 0), Visit(2, 0)),), TREE.links[:1])
+    assert names(ROW, ONE_STROKE, two) == {"pierces"}
+    assert names(ROW, Rules("travel", links=True), two) == set()
+    assert evaluate(ROW, two).travel_mm == (pytest.approx(10 + 30 + np.hypot(30, 10) + 8),)
+    twice = Plan(((Visit(0, 0), Visit(2, 0)),), TREE.links)
+    assert "each contour once" in names(ROW, Rules("travel", links=True), twice)
+
+
+def test_links_have_to_be_asked_for() -> None:
+    assert names(ROW, Rules("travel"), TREE) == {"no links"}
+    repeated = Plan(TREE.tours, (*TREE.links, TREE.links[0]))
+    assert names(ROW, ONE_STROKE, repeated) == {"each link once"}
+
+
+def test_a_trajectory_takes_bridges_first() -> None:
+    phases = trajectory(ROW, TREE)
+    assert [phase.kind for phase in phases] == [
+        *("rapid", "cut", "link", "cut", "link", "cut", "link", "cut", "link", "cut", "rapid")
+    ]
+    assert [phase.contour for phase in phases if phase.kind == "cut"] == [0, 1, 2, 1, 0]
+    assert_continuous(ROW, TREE)
+
+
+def assert_continuous(instance: Instance, plan: Plan) -> None:
+    """The way is without breaks from home to home and cuts each contour over its whole length."""
+    phases = trajectory(instance, plan)
+    for before, after in pairwise(phases):
+        np.testing.assert_allclose(before.points[-1], after.points[0])
+    np.testing.assert_allclose([phases[0].points[0], phases[-1].points[-1]], np.zeros((2, 2)))
+    lengths = np.zeros(len(instance.contours))
+    for phase in phases:
+        if phase.contour is not None:
+            lengths[phase.contour] += np.linalg.norm(np.diff(phase.points, axis=0), axis=1).sum()
+    np.testing.assert_allclose(lengths, instance.perimeters)
+
+
+def test_a_circle_of_single_links_is_a_stroke() -> None:
+    squares = sheet(square("a", 0, 0), square("b", 14, 0), square("c", 7, 14))
+    plan = Plan(((Visit(0, 0),),), (Link(0, 2, 1, 3, 1), Link(1, 3, 2, 0, 1), Link(0, 2, 2, 0, 1)))
+    assert check(squares, ONE_STROKE, plan) == []
+    assert_continuous(squares, plan)
+
+
+def test_a_hole_cannot_be_linked_to_the_outside() -> None:
+    nested = sheet(square("outline", 0, 0, 30), square("hole", 10, 10, 10), square("inside", 13, 13, 4))
+    assert blocked(nested, [0, 4], [4, 8]).tolist() == [True, False]
+    with pytest.raises(ValueError, match="'b' overlap"):
+        check(sheet(square("a", 0, 0), square("b", 5, 5)), ONE_STROKE, Plan(((),)))
+
+
+def test_the_last_piece_of_a_contour_decides_precedence() -> None:
+    for pairs, fine in ((((2, 0),), True), (((0, 2),), False)):
+        ordered = sheet(*ROW.contours, precedence=pairs)
+        assert names(ordered, ONE_STROKE, TREE) == (set() if fine else {"precedence"})
+
+
+def test_plans_with_links_survive_a_file() -> None:
+    assert parse_plan(format_plan(TREE, ROW), ROW) == TREE
+
+
+@pytest.mark.parametrize(
+    ("rules", "message"),
+    [
+        (Rules("travel", links=True, clear_rapids=True), "do not go with clear rapids"),
+        (Rules("weighted", links=True), "objectives travel and makespan"),
+    ],
+)
+def test_rules_that_do_not_go_with_links(rules: Rules, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        check(ROW, rules, TREE)
+
+
+def test_wrong_links_are_refused() -> None:
+    with pytest.raises(ValueError, match="expected 1 or 2, got 3"):
+        Plan(((),), (Link(0, 0, 1, 0, 3),))
+    with pytest.raises(ValueError, match="leads to the contour itself"):
+        Plan(((),), (Link(0, 0, 0, 1),))
+    with pytest.raises(ValueError, match="goes with links"):
+        Rules(pierces=1)
+    bent = Contour("bow", np.zeros((1, 3)), 4.0, geometry=np.array([[0, 0], [1, 1], [1, 0], [0, 1]]))
+    with pytest.raises(ValueError, match=r"'bow'.*simple closed curve: Self-intersection"):
+        check(sheet(bent), ONE_STROKE, Plan(((),)))
+    loose = Contour("far", np.array([[5.0, 5.0, 0.0]]), 4.0, geometry=np.array([[0, 0], [1, 0], [0, 1]]))
+    with pytest.raises(ValueError, match="off its curve"):
+        check(sheet(loose), ONE_STROKE, Plan(((),)))
