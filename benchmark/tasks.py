@@ -13,6 +13,7 @@ from cutgap.benchmark.methods import default_methods, is_exact, require_known
 from cutgap.instances import Instance, Rules
 from cutgap.instances.formats import READABLE_SUFFIXES, MachineOptions, read_instance
 from cutgap.instances.formats.json_format import format_instance
+from cutgap.instances.links.points import with_link_points
 from cutgap.instances.suites import SUITES, load_suite
 
 
@@ -74,11 +75,15 @@ class Suite:
     published: Mapping[str, BestKnown] = field(default_factory=dict)
 
 
-FILE_SUITES: dict[str, str] = {"gtsp": ".gtsp", "pcgtsp": ".pcglns", "cutting-paths": ".txt"}
+FILE_SUITES: dict[str, str] = {"gtsp": ".gtsp", "pcgtsp": ".pcglns", "cutting-paths": ".txt", "nests": ".json"}
 """Suites ``NAME:PATH`` of files of one kind: name and suffix."""
+
+ONE_STROKE = Rules("travel", links=True, pierces=1)
+"""All in one stroke: what the suites for flame cutting ask for."""
 
 SUITE_RULES: dict[str, Rules] = {
     **dict.fromkeys(FILE_SUITES, Rules("travel")),
+    "nests": ONE_STROKE,
     **dict.fromkeys(("plate30", "plate30-dense", "small-plates"), Rules("travel", clear_rapids=True)),
     "nest28": Rules(
         "travel", parts_in_one_go=True, neighbours_only=True, clear_rapids=True, backward_price=0.1
@@ -108,7 +113,10 @@ def find_suite(name: str, options: MachineOptions) -> Suite:
         return Suite(name, instances, SUITE_RULES.get(name, Rules()))
     kind, colon, place = name.partition(":")
     if colon and kind in FILE_SUITES:
-        title, instances = _read_all(Path(place), (FILE_SUITES[kind],), name, options)
+        reading = options
+        if kind == "nests":  # these files hold no home: the corner of the strip stands in
+            reading = replace(options, homes=options.homes or ((0.0, 0.0),), link_points=True)
+        title, instances = _read_all(Path(place), (FILE_SUITES[kind],), name, reading)
         # Other homes make another problem, about which nothing is published.
         published = {} if options.homes else best_known(kind, instances)
         return Suite(title if title == kind else f"{kind}-{title}", instances, SUITE_RULES[kind], published)
@@ -134,7 +142,8 @@ def _read_all(
 
 def _overridden(instance: Instance, options: MachineOptions) -> Instance:
     heads = options.heads() if options.homes else instance.heads
-    return replace(instance, heads=heads, machine=options.machine(instance.machine))
+    changed = replace(instance, heads=heads, machine=options.machine(instance.machine))
+    return with_link_points(changed) if options.link_points else changed
 
 
 def suite_tasks(

@@ -105,6 +105,8 @@ class MachineArguments:
     """Drawings: largest distance between a curve and its polyline, mm."""
     skip: str | None = None
     """Drawings: leave out, instead of refusing, any of open,copies,crossing."""
+    link_points: Annotated[bool, Parameter(negative="")] = False
+    """Take places for links as entry points, instead of those of the file."""
 
     def options(self) -> MachineOptions:
         """Return the options as readers take them.
@@ -116,7 +118,12 @@ class MachineArguments:
         """
         homes = tuple(parse_home(text) for text in self.home)
         return MachineOptions(
-            homes=homes, v_jump=self.v_jump, v_cut=self.v_cut, t_aux=self.t_aux, drawing=self._drawing()
+            homes=homes,
+            v_jump=self.v_jump,
+            v_cut=self.v_cut,
+            t_aux=self.t_aux,
+            drawing=self._drawing(),
+            link_points=self.link_points,
         )
 
     def _drawing(self) -> DrawingOptions:

@@ -6,6 +6,7 @@ suffix    content                               written  homes
 .json     everything, and plans                 yes      in the file; given ones replace them
 .json     CAM routing task                      no       in the file; given ones replace them
 .json     CAM list of nested parts              no       must be given
+.json     nest of outlines                      no       must be given
 .csv      holes ``id,x,y,z,perimeter``          yes      must be given
 .tsp      TSPLIB, symmetric                     yes      closed tour without; given where computable
 .atsp     TSPLIB, asymmetric                    yes      as .tsp
@@ -35,6 +36,7 @@ from cutgap.instances.formats import (
     gtsp,
     gtsp_writer,
     json_format,
+    nests,
     tsplib,
 )
 from cutgap.instances.formats.files import SIZE_LIMIT, read_bytes, read_text, write_atomically
@@ -42,6 +44,7 @@ from cutgap.instances.formats.json_text import load_json
 from cutgap.instances.formats.options import NO_OVERRIDES, DrawingOptions, FormatNote, MachineOptions
 from cutgap.instances.formats.tsplib_sections import begins_with_field
 from cutgap.instances.instance import Instance
+from cutgap.instances.links.points import with_link_points
 from cutgap.instances.plan import Plan
 
 __all__ = [
@@ -61,7 +64,7 @@ __all__ = [
 def _parse_json(text: str, name: str, options: MachineOptions) -> Instance:
     """Read a ``.json`` file in the dialect that its content shows."""
     document = load_json(text)
-    for dialect in (cam_routing, cam_parts):
+    for dialect in (cam_routing, cam_parts, nests):
         if dialect.recognises(document):
             return dialect.parse_document(document, name, options)
     return json_format.parse_document(document, options)
@@ -124,7 +127,8 @@ def read_instance(path: str | Path, overrides: MachineOptions = NO_OVERRIDES) ->
     else:
         parse = partial(_chosen(path, _READERS, "read", READABLE_SUFFIXES), read_text(path))
     try:
-        return parse(path.stem, overrides)
+        instance = parse(path.stem, overrides)
+        return with_link_points(instance) if overrides.link_points else instance
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 

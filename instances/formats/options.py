@@ -58,7 +58,7 @@ class DrawingOptions:
 
 @dataclass(frozen=True, slots=True)
 class MachineOptions:
-    """Homes and machine figures that stand in for those of a file, or replace them; how drawings are read.
+    """What stands in for figures of a file, or replaces them; how drawings are read; where links may end.
 
     Parameters
     ----------
@@ -70,6 +70,8 @@ class MachineOptions:
         Auxiliary time per contour, s; ``None`` likewise.
     drawing
         For drawings only.
+    link_points
+        Whether the entry points are replaced by places for links (``links.points``).
     """
 
     homes: tuple[tuple[float, ...], ...] = ()
@@ -77,6 +79,7 @@ class MachineOptions:
     v_cut: float | None = None
     t_aux: float | None = None
     drawing: DrawingOptions = DrawingOptions()
+    link_points: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "homes", tuple(_home(home) for home in self.homes))
