@@ -83,7 +83,7 @@ ONE_STROKE = Rules("travel", links=True, pierces=1)
 
 SUITE_RULES: dict[str, Rules] = {
     **dict.fromkeys(FILE_SUITES, Rules("travel")),
-    "nests": ONE_STROKE,
+    **dict.fromkeys(("nests", "flame108"), ONE_STROKE),
     **dict.fromkeys(("plate30", "plate30-dense", "small-plates"), Rules("travel", clear_rapids=True)),
     "nest28": Rules(
         "travel", parts_in_one_go=True, neighbours_only=True, clear_rapids=True, backward_price=0.1

@@ -118,6 +118,10 @@ class Machine:
             raise ValueError(f"machine, metric: expected one of {', '.join(METRICS)}, got {self.metric!r}")
 
 
+FLAME = Machine(v_jump=150.0, v_cut=10.0, t_aux=80.0)
+"""Flame cutting: 80 s for each ignition (Chen, Li, Chu), cutting at 0.6 m/min; rapids as by default."""
+
+
 @dataclass(frozen=True, slots=True)
 class Material:
     """Sheet and beam, for the temperature model (Yang et al., 2012); SI units but for ``thickness_mm``."""

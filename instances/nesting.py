@@ -17,6 +17,8 @@ def enclosures(curves: Sequence[Floats]) -> list[list[int]]:
         Closed polylines of shape (k, 2), mm, first point not repeated, which do not cross each other.
         Of equal curves the later one counts as inside.
     """
+    if not curves:
+        return []
     areas = shapely.polygons([shapely.linearrings(curve) for curve in curves])
     sizes = shapely.area(areas)
     tree = shapely.STRtree(areas)

@@ -25,7 +25,7 @@ def generate(
     Parameters
     ----------
     kind
-        random, b-pillars, door-panel, nest28, ties, coincident, collinear or one-column.
+        random, b-pillars, door-panel, nest28, flame, plate, ties, coincident, collinear or one-column.
     """
     require_seed(seed)
     instance = generate_instance(kind, holes=holes, seed=seed)

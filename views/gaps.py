@@ -67,7 +67,8 @@ def gaps(
     ----------
     suite
         Name of a shipped suite; gtsp:PATH, pcgtsp:PATH or cutting-paths:PATH for published files of one kind,
-        which ask for the least travel; an instance file; or a folder of instance files.
+        which ask for the least travel, or nests:PATH for outlines to be cut in one stroke; an instance file; or
+        a folder of instance files.
     """
     require_time_limit(time_limit)
     require_one_place(jobs, dask)

@@ -5,8 +5,7 @@ A contour is the list of corners [x, y] of a part's outline, its first one repea
 are numbered from 1 in the file's order; the part of contour 7, of item 3, is called ``3-7``. The strip is
 not cut. Entry points are the corners (``--link-points`` takes places for links instead).
 
-The machine is one for flame cutting unless figures are given: ignition 80 s (Chen, Li, Chu), cutting 0.6 m/min,
-rapids as by default. Homes are given on reading.
+The machine is ``FLAME`` unless figures are given. Homes are given on reading.
 """
 
 from typing import Annotated, Any
@@ -18,10 +17,7 @@ from cutgap.instances.arrays import closed_length
 from cutgap.instances.formats.json_models import Name, Point2
 from cutgap.instances.formats.json_text import fit
 from cutgap.instances.formats.options import MachineOptions
-from cutgap.instances.instance import Contour, Instance, Machine
-
-FLAME = Machine(v_jump=150.0, v_cut=10.0, t_aux=80.0)
-"""Flame cutting: speeds in mm/s, and the time in s that each ignition takes."""
+from cutgap.instances.instance import FLAME, Contour, Instance
 
 _Curve = Annotated[list[Point2], Field(min_length=3, fail_fast=True)]
 

@@ -13,6 +13,8 @@ from cutgap.instances.generate import b_pillars as pillars
 from cutgap.instances.generate import door_panel as door
 from cutgap.instances.generate.b_pillars import b_pillars
 from cutgap.instances.generate.door_panel import door_panel
+from cutgap.instances.generate.flame import SHAPES as FLAME_SHAPES
+from cutgap.instances.generate.flame import flame
 from cutgap.instances.generate.nest28 import CONTOURS as NEST28_CONTOURS
 from cutgap.instances.generate.nest28 import nest28
 from cutgap.instances.generate.plates import dense_plate, plate
@@ -42,6 +44,7 @@ __all__ = [
     "columns_part",
     "dense_plate",
     "door_panel",
+    "flame",
     "generate",
     "grid_part",
     "nest28",
@@ -70,6 +73,7 @@ KINDS: dict[str, Kind] = {
     "b-pillars": Kind("four B-pillars side by side", lambda _, rng: b_pillars(rng), pillars.HOLES, fixed=True),
     "door-panel": Kind("door inner panel", lambda _, rng: door_panel(rng), door.HOLES, fixed=True),
     "nest28": Kind("nest of 28 parts", lambda _, rng: nest28(rng), NEST28_CONTOURS, fixed=True),
+    "flame": Kind("irregular outlines close together, for one stroke", flame, FLAME_SHAPES),
     "plate": Kind("polygons, circles and ellipses under heat, on 10 m x 5 m", plate, 30),
     "dense-plate": Kind("the same, small and close together", dense_plate, 30),
     "ties": Kind("columns of equal x", tied_part, 12),

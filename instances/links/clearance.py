@@ -58,7 +58,8 @@ def require_shapes(instance: Instance) -> list[Floats]:
                 f"{name}, entry_points[{worst}]: {away[worst]:g} mm off its curve, most {slack:g}; "
                 "links need entry points on the curve"
             )
-    _refuse_overlaps(instance, curves, slack)
+    if curves:
+        _refuse_overlaps(instance, curves, slack)
     return curves
 
 
@@ -86,7 +87,7 @@ def _inner_material(instance: Instance) -> Any:
     """Return a search tree of the material, each piece without its edge of the allowed depth."""
     curves = require_shapes(instance)
     around = enclosures(curves)
-    pieces = []
+    pieces: list[shapely.Polygon] = []
     for outer, curve in enumerate(curves):
         if len(around[outer]) % 2 == 0:
             holes = [curves[c] for c in range(len(curves)) if around[c][:1] == [outer]]
@@ -116,9 +117,9 @@ def blocked(instance: Instance, starts: npt.ArrayLike, ends: npt.ArrayLike) -> B
 
 def blocked_segments(instance: Instance, starts: Floats, ends: Floats) -> Bools:
     """Return which links between given points, of shape (links, 2) in mm, lead through material."""
-    tree = _inner_material(instance)
     found: Bools = np.zeros(len(starts), dtype=np.bool_)
     if len(starts):
+        tree = _inner_material(instance)
         lines = shapely.linestrings(np.stack((starts, ends), axis=1))
         hit: Ints = tree.query(lines, "intersects")[0]
         found[hit] = True

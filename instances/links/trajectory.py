@@ -178,7 +178,8 @@ def piece(instance: Instance, curve: Floats, source: int, target: int) -> Floats
     """Return the part of a closed curve from one node on to another, or all of it back to the same one."""
     marks = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
     begin, end = (_place(instance, curve, node) for node in (source, target))
-    if end < begin or source == target:
+    # In the order of the nodes: of two at one place only one piece between them is the whole curve.
+    if (end, target) <= (begin, source):
         end += float(marks[-1])
     corners = np.concatenate((marks[:-1], marks + marks[-1]))
     passed = np.flatnonzero((corners > begin) & (corners < end)) % (len(curve) - 1)

@@ -6,6 +6,9 @@
     Stand-ins for the real parts of its Table 2: 76 and 91 holes.
 ``nest28``
     A nest of 28 sheet-metal parts with the boxes and perimeters of Table 1 of Li et al. (2019): 47 contours.
+``flame108``
+    Three nests of 108 irregular outlines for flame cutting, with link points; that of Chen, Li, Chu is not
+    published.
 ``plate30``, ``plate30-dense``, ``small-plates``
     Plates under heat like that of Yang, Liu, Ju (2012), which is not published: three on its 10 m x 5 m, three
     small and close together, and twelve such ones of 6 to 12 contours.
@@ -39,6 +42,7 @@ RECIPES: dict[str, tuple[Recipe, ...]] = {
     "b-pillars": (Recipe("b-pillars", "b-pillars", 76, 76),),
     "door-panel": (Recipe("door-panel", "door-panel", 91, 91),),
     "nest28": (Recipe("nest28", "nest28", 47, 28),),
+    "flame108": tuple(Recipe(f"flame108-{seed}", "flame", 108, seed) for seed in range(3)),
     "plate30": tuple(Recipe(f"plate30-{seed}", "plate", 30, seed) for seed in range(3)),
     "plate30-dense": tuple(Recipe(f"plate30-dense-{seed}", "dense-plate", 30, seed) for seed in range(3)),
     "small-plates": tuple(
