@@ -102,12 +102,12 @@ def triangle_points(instance: Instance, pairs: list[NearPair], made: list[Shared
             starts[key] = chain
     found = []
     for a, b, c in triangles(neighbours(pairs, len(curves))):
-        if (a, b, c) not in starts:
-            continue
-        shared = _tightened(starts[a, b, c], curves)
-        doubled = 2.0 * sum(sorted((links[a, b], links[a, c], links[b, c]))[:2])
-        if shared.length < doubled:
-            found.append(shared)
+        short, middle, long = sorted((links[a, b], links[a, c], links[b, c]))
+        # No side is shorter than the link of its two contours.
+        if (a, b, c) in starts and long < short + middle:
+            shared = _tightened(starts[a, b, c], curves)
+            if shared.length < 2.0 * (short + middle):
+                found.append(shared)
     if not found:
         return []
     points = np.stack([shared.points for shared in found])

@@ -68,6 +68,7 @@ def test_a_suite_takes_the_files_of_its_kind_and_asks_for_travel(folder, kind, i
 
 def test_other_suites_ask_for_makespan(folder):
     assert find_suite("small", MachineOptions()).rules == Rules()
+    assert find_suite("flame108", MachineOptions()).rules == Rules("travel", links=True, pierces=1)
     for plates in ("plate30", "plate30-dense", "small-plates"):
         assert find_suite(plates, MachineOptions()).rules == Rules("travel", clear_rapids=True)
     assert find_suite(str(folder), MachineOptions()).rules == Rules()

@@ -42,6 +42,7 @@ def test_sizes_are_those_of_the_reference():
     assert [len(part.contours) for part in load_suite("door-panel")] == [91]
     assert [len({contour.part for contour in nest.contours}) for nest in load_suite("nest28")] == [28]
     assert {len(part.contours) for part in load_suite("small")} == set(range(6, 15))
+    assert [len(nest.contours) for nest in load_suite("flame108")] == [108] * 3
     assert [len(plate.contours) for plate in load_suite("plate30")] == [30] * 3
     assert [len(plate.contours) for plate in load_suite("plate30-dense")] == [30] * 3
     assert {len(plate.contours) for plate in load_suite("small-plates")} == {6, 8, 10, 12}

@@ -1,14 +1,16 @@
 """Strokes over links: figures by hand on squares."""
 
+from collections import Counter
 from itertools import pairwise
 
+import networkx
 import numpy as np
 import pytest
 
 from cutgap.instances import Contour, Head, Instance, Link, Machine, Plan, Rules, Visit, check, evaluate
 from cutgap.instances.formats.json_format import format_plan, parse_plan
 from cutgap.instances.links.clearance import blocked
-from cutgap.instances.links.strokes import strokes
+from cutgap.instances.links.strokes import groups, link_ends, strokes
 from cutgap.instances.links.trajectory import trajectory
 
 ONE_STROKE = Rules("travel", links=True, pierces=1)
@@ -158,3 +160,84 @@ def test_wrong_links_are_refused() -> None:
     loose = Contour("far", np.array([[5.0, 5.0, 0.0]]), 4.0, geometry=np.array([[0, 0], [1, 0], [0, 1]]))
     with pytest.raises(ValueError, match="off its curve"):
         check(sheet(loose), ONE_STROKE, Plan(((),)))
+
+
+def test_entry_points_at_one_place_leave_the_contour_whole() -> None:
+    corners = square("a", 5, 5).geometry
+    assert corners is not None
+    twice = [np.array([[x, 10.0, 0.0]] * 2) for x in (15.0, 20.0)]
+    one, other = (
+        Contour(n, p, 40.0, geometry=corners + np.array([x, 0]))
+        for n, p, x in zip("ab", twice, (0, 15), strict=True)
+    )
+    instance = sheet(one, other)
+    for plan in (
+        Plan(((Visit(0, 0),),), (Link(0, 1, 1, 0),)),
+        Plan(((Visit(0, 1),),), (Link(0, 0, 1, 0, 1), Link(0, 1, 1, 0, 1))),
+    ):
+        assert_continuous(instance, plan)
+
+
+def grid(rng: np.random.Generator, gap: float) -> Instance:
+    """Up to 3 x 3 squares, apart or touching; their curves begin anywhere and turn either way."""
+    made = []
+    for place in np.ndindex(*rng.integers(1, 4, 2)):
+        each = square(str(len(made)), *((10 + gap) * np.array(place)).tolist())
+        assert each.geometry is not None
+        curve = np.roll(each.geometry[:: 1 if rng.random() < 0.5 else -1], rng.integers(4), axis=0)
+        made.append(Contour(each.id, each.entry_points, 40.0, geometry=curve))
+    return sheet(*made)
+
+
+def random_links(
+    instance: Instance, rng: np.random.Generator
+) -> tuple[tuple[Link, ...], tuple[int, int] | None]:
+    """Doubled links, closed walks of single ones, and sometimes one open walk, whose ends are returned."""
+    nodes = range(len(instance.points) - 1)
+    pairs = [(a, b) for a in nodes for b in nodes if a // 4 < b // 4]
+    pairs = [(a, b) for a, b in pairs if np.linalg.norm(instance.points[a] - instance.points[b]) <= 12]
+    if not pairs:
+        return (), None
+    barred = blocked(instance, *zip(*pairs, strict=True)).tolist()
+    graph = networkx.Graph(pair for pair, bad in zip(pairs, barred, strict=True) if not bad)
+    doubled = {tuple(sorted(edge)) for edge in graph.edges if rng.random() < 0.15}
+    single: set[tuple[int, ...]] = set()
+    ends = None
+    for closed in [True] * int(rng.integers(4)) + [False] * int(rng.integers(2)):
+        way = [int(rng.choice(list(graph)))]
+        for _ in range(int(rng.integers(2, 8))):
+            way.append(int(rng.choice(list(graph[way[-1]]))))
+        if closed:
+            way += networkx.shortest_path(graph, way[-1], way[0])[1:]
+        elif way[0] != way[-1]:
+            ends = (way[0], way[-1])
+        for step in pairwise(way):
+            single ^= {tuple(sorted(step))}
+    links = [
+        Link(a // 4, a % 4, b // 4, b % 4, 1 if (a, b) in single else 2) for a, b in sorted(single | doubled)
+    ]
+    return tuple(links), ends
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_any_even_graph_of_links_is_walked_once(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    instance = grid(rng, rng.choice([0.0, 4.0]))
+    links, ends = random_links(instance, rng)
+    leaders = groups(instance, links)
+    starts = {leader: 4 * leader + int(rng.integers(4)) for leader in leaders}
+    if ends is not None:
+        starts[leaders[ends[0] // 4]] = ends[0]
+    plan = Plan((tuple(Visit(node // 4, node % 4) for node in starts.values()),), links)
+    assert check(instance, Rules("travel", links=True), plan) == []
+    assert_continuous(instance, plan)
+    passes = Counter(
+        tuple(sorted(map(tuple, phase.points.tolist())))
+        for phase in trajectory(instance, plan)
+        if phase.kind == "link"
+    )
+    asked: Counter[tuple[tuple[float, ...], ...]] = Counter()
+    for link in links:
+        places = (instance.points[node, :2].tolist() for node in link_ends(instance, link))
+        asked[tuple(sorted(map(tuple, places)))] += link.passes
+    assert passes == asked
