@@ -3,7 +3,7 @@
 A link leads through waste only (``clearance``). Curves that bound the same piece of waste make a *region*: the
 outside of all curves, or the inside of one hole with the curves directly in it. Within a region every outline
 can be linked to every other one over nearest pairs of points, none of which is blocked: what blocked it would
-be nearer to both. Between regions there is no link.
+be nearer to both. Between regions there is no link; where two touch they are one.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ import shapely
 
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.instance import Instance
-from cutgap.instances.links.clearance import blocked_segments, require_shapes
+from cutgap.instances.links.clearance import blocked_segments, depth, require_shapes
 from cutgap.instances.nesting import enclosures
 
 NEAREST = 6
@@ -66,8 +66,19 @@ def link_regions(instance: Instance) -> list[int]:
     ValueError
         As ``require_shapes`` does.
     """
-    around = enclosures(require_shapes(instance))
-    return [contour if len(each) % 2 else each[0] if each else OUTSIDE for contour, each in enumerate(around)]
+    curves = require_shapes(instance)
+    regions = np.array(
+        [c if len(each) % 2 else each[0] if each else OUTSIDE for c, each in enumerate(enclosures(curves))],
+        dtype=np.int64,
+    )
+    if len(regions):
+        rings = np.array([closed_ring(curve) for curve in curves])
+        # A web this thin hinders no link: it may run so deep in material from either side.
+        touching = shapely.STRtree(rings).query(rings, "dwithin", 2.0 * depth(instance))
+        for a, b in touching.T.tolist():
+            one, other = sorted((int(regions[a]), int(regions[b])))
+            regions[regions == other] = one
+    return [int(region) for region in regions]
 
 
 def unreachable(instance: Instance) -> list[str]:

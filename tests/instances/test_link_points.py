@@ -190,6 +190,16 @@ def test_holes_and_what_lies_in_them_are_regions_of_their_own() -> None:
     assert node_distance(linked, 0, 1) == math.inf
 
 
+def test_a_hole_that_touches_is_reached() -> None:
+    nested = sheet(
+        box("outline", 0, 0, 40), box("hole", 0, 10, 10), box("next", 10, 15, 10), box("in", 2, 12, 4)
+    )
+    assert link_regions(nested) == [-1, -1, -1, -1]
+    assert unreachable(nested) == []
+    linked = with_link_points(nested)
+    assert [node_distance(linked, *pair) for pair in ((0, 1), (1, 2), (1, 3))] == [0.0, 0.0, 2.0]
+
+
 def test_one_shape_and_none() -> None:
     assert with_link_points(sheet()).contours == ()
     assert unreachable(sheet()) == []
