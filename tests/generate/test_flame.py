@@ -33,6 +33,14 @@ def test_a_seed_names_a_nest():
     assert one == again != other
 
 
+def test_curves_are_whole_micrometres_and_link_points_nanometres():
+    """Link points lie inside slanted edges: a micrometre off, they would be off the curve."""
+    nest = generate("flame", holes=12, seed=4)
+    for contour in nest.contours:
+        assert (contour.geometry == np.round(contour.geometry, 3)).all()
+        assert (contour.entry_points == np.round(contour.entry_points, 6)).all()
+
+
 @pytest.mark.parametrize("number", range(3))
 def test_the_shipped_nests_are_dense_and_can_be_cut_in_one_stroke(number):
     nest = load_suite("flame108")[number]
