@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cutgap.formulations.certificate import verify
     from cutgap.formulations.compact import TOUR_FORMULATIONS, compact_model
+    from cutgap.formulations.compact.links import links_model
     from cutgap.formulations.compact_bound import certified_bound, linear_bound
     from cutgap.formulations.front_door import METHODS, choose, resolve, solve
     from cutgap.formulations.pareto import pareto_front
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "certificate": ("verify",),
     "compact": ("TOUR_FORMULATIONS", "compact_model"),
+    "compact.links": ("links_model",),
     "compact_bound": ("certified_bound", "linear_bound"),
     "front_door": ("METHODS", "choose", "resolve", "solve"),
     "pareto": ("pareto_front",),
@@ -52,6 +54,7 @@ __all__ = [
     "held_karp",
     "ladder",
     "linear_bound",
+    "links_model",
     "one_tree",
     "pareto_front",
     "perspective_bound",
