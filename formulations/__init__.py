@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from cutgap.formulations.compact.links import links_model
     from cutgap.formulations.compact_bound import certified_bound, linear_bound
     from cutgap.formulations.front_door import METHODS, choose, resolve, solve
+    from cutgap.formulations.link_points import best_link_points, polish
     from cutgap.formulations.pareto import pareto_front
     from cutgap.formulations.relaxations.assignment import assignment, two_matching
     from cutgap.formulations.relaxations.bisection import bisection
@@ -28,6 +29,7 @@ _HOMES = {
     "compact.links": ("links_model",),
     "compact_bound": ("certified_bound", "linear_bound"),
     "front_door": ("METHODS", "choose", "resolve", "solve"),
+    "link_points": ("best_link_points", "polish"),
     "pareto": ("pareto_front",),
     "relaxations.assignment": ("assignment", "two_matching"),
     "relaxations.bisection": ("bisection",),
@@ -45,6 +47,7 @@ __all__ = [
     "METHODS",
     "TOUR_FORMULATIONS",
     "assignment",
+    "best_link_points",
     "bisection",
     "certified_bound",
     "choose",
@@ -58,6 +61,7 @@ __all__ = [
     "one_tree",
     "pareto_front",
     "perspective_bound",
+    "polish",
     "resolve",
     "shortest_in_order",
     "solve",

@@ -50,3 +50,13 @@ def require_no_peak(instance: Instance, rules: Rules, method: str) -> None:
     """Raise ``ValueError`` when the peak temperature is to be least; a cap alone only forbids plans."""
     if rules.objective == "peak":
         raise ValueError(f"instance {instance.name!r}, {method}: does not take the objective peak")
+
+
+def require_euclidean_links(instance: Instance, rules: Rules, method: str) -> None:
+    """Raise ``ValueError``, saying why, when a method for links and Euclidean rapids does not apply."""
+    name = f"instance {instance.name!r}, {method}"
+    if not rules.links:
+        raise ValueError(f"{name}: needs rules with links")
+    require_coordinates(instance, rules)
+    if instance.machine.metric != "euclidean":
+        raise ValueError(f"{name}: takes Euclidean rapids, not {instance.machine.metric}")
