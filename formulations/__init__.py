@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cutgap.formulations.relaxations.cycle_distances import cycle_distances
     from cutgap.formulations.relaxations.held_karp import held_karp, one_tree
     from cutgap.formulations.relaxations.perspective_proof import perspective_bound
+    from cutgap.formulations.relaxations.spanning_tree import spanning_tree
     from cutgap.formulations.relaxations.touring import shortest_in_order
     from cutgap.formulations.rungs import LADDER, ladder
 
@@ -37,6 +38,7 @@ _HOMES = {
     "relaxations.cycle_distances": ("cycle_distances",),
     "relaxations.held_karp": ("held_karp", "one_tree"),
     "relaxations.perspective_proof": ("perspective_bound",),
+    "relaxations.spanning_tree": ("spanning_tree",),
     "relaxations.touring": ("shortest_in_order",),
     "rungs": ("LADDER", "ladder"),
 }
@@ -65,6 +67,7 @@ __all__ = [
     "resolve",
     "shortest_in_order",
     "solve",
+    "spanning_tree",
     "two_matching",
     "verify",
 ]

@@ -83,6 +83,13 @@ def test_what_is_not_linked_is_not_cut() -> None:
     assert "each contour once" in names(ROW, Rules("travel", links=True), twice)
 
 
+def test_a_sheet_without_contours_has_a_plan_without_strokes() -> None:
+    nothing, plan = sheet(), Plan(((),))
+    assert check(nothing, ONE_STROKE, plan) == []
+    assert evaluate(nothing, plan).travel_mm == (0.0,)
+    assert trajectory(nothing, plan) == ()
+
+
 def test_links_have_to_be_asked_for() -> None:
     assert names(ROW, Rules("travel"), TREE) == {"no links"}
     repeated = Plan(TREE.tours, (*TREE.links, TREE.links[0]))
