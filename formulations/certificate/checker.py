@@ -135,6 +135,9 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
     free = proof.get("kind") in FREE_ENTRIES
     asked = "free" if rules.free_entries else "given"
     require(rules.free_entries == free, f"proof: {show(proof.get('kind'))} is no kind for {asked} entries")
+    linked = proof.get("kind") == "links"
+    asked = "with" if rules.links else "without"
+    require(rules.links == linked, f"proof: {show(proof.get('kind'))} is no kind for rules {asked} links")
     if proof.get("kind") in ("tour", "split", "two-heads"):
         problem.require_plain(proof["kind"])
     if proof.get("kind") == "gtsp":
