@@ -65,8 +65,6 @@ def require_shapes(instance: Instance) -> list[Floats]:
 
 def _refuse_overlaps(instance: Instance, curves: list[Floats], slack: float) -> None:
     """Refuse areas that share more than their edges, where neither holds the other."""
-    if not curves:
-        return
     areas = shapely.polygons([shapely.linearrings(curve) for curve in curves])
     one, other = shapely.STRtree(areas).query(areas, "intersects")
     one, other = one[one < other], other[one < other]
