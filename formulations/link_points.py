@@ -16,8 +16,7 @@ Variables  t_v        in 0 .. 1: p_v = a_v + t_v (b_v - a_v); heights are those 
 (P) = (D), as for tours through regions (``relaxations.touring``); any u scaled into the balls proves a bound.
 Pierces and outlines are a constant on top. The bound is for this topology alone, not for other plans.
 
-Points with links that become blocked are drawn back towards where they were: (P) is convex, so a part of the
-way is a gain too.
+Where links become blocked, their ends stay where they were, and the other points move.
 """
 
 import warnings
@@ -33,6 +32,7 @@ from cutgap.formulations.relaxations.bound import float_below
 from cutgap.formulations.scope import require_euclidean_links
 from cutgap.instances import Instance, Plan, Rules, check, evaluate
 from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.links.clearance import Bools, blocked
 from cutgap.instances.links.strokes import link_ends, strokes
 
 PRECISION = 1e-11
@@ -41,8 +41,6 @@ SNAP = 1e-8
 """A point nearer to a corner than this part of its edge counts as the corner."""
 STAY = 1e-8
 """Price of moving a point, relative to the heaviest weight; what it costs shows in the bound."""
-HALVINGS = 8
-"""How often points are drawn back by half before they stay where they were."""
 SCALE = 10**15
 """Multipliers count as integers over this, times their weight."""
 HAIR = 1e-14
@@ -118,7 +116,7 @@ def best_link_points(instance: Instance, rules: Rules, plan: Plan) -> LinkPoints
         When the plan breaks a rule, or the rules or the metric do not suit.
     """
     _require(instance, rules, plan)
-    return _improve(instance, rules, plan, _edges_of(instance))
+    return _improve(instance, rules, plan, edges_of(instance, plan))
 
 
 def polish(instance: Instance, rules: Rules, plan: Plan, *, most_rounds: int = 20) -> LinkPoints:
@@ -127,7 +125,7 @@ def polish(instance: Instance, rules: Rules, plan: Plan, *, most_rounds: int = 2
     The bound is that of the last topology. Raises as ``best_link_points`` does.
     """
     _require(instance, rules, plan)
-    edges = _edges_of(instance)
+    edges = edges_of(instance, plan)
     found = _improve(instance, rules, plan, edges)
     for _ in range(most_rounds):
         others = _turned_edges(found.instance, rules, plan, edges)
@@ -153,18 +151,23 @@ def _improve(instance: Instance, rules: Rules, plan: Plan, edges: dict[int, int]
     before = evaluate(instance, plan).objective(rules)
     if not len(topology.edges):
         return LinkPoints(instance, plan, before, before, np.zeros((0, 3)))
-    shares, multipliers = solve(topology)
+    stays = np.zeros(len(topology.nodes), dtype=np.bool_)
+    shares, multipliers = solve(topology, stays)
     bound = float_below(exact_bound(topology, multipliers) + topology.constant)
-    best = LinkPoints(instance, plan, before, min(bound, before), multipliers)
-    for halving in range(HALVINGS):
-        part = topology.shares + (shares - topology.shares) / 2**halving
-        moved = moved_instance(instance, topology, part)
+    while True:
+        moved = moved_instance(instance, topology, shares)
         value = evaluate(moved, plan).objective(rules)
         if value >= before:
-            break
+            return LinkPoints(instance, plan, before, min(bound, before), multipliers)
         if not check(moved, rules, plan):
-            return replace(best, instance=moved, value=value, lower_bound=min(bound, value))
-    return best
+            return LinkPoints(moved, plan, value, min(bound, value), multipliers)
+        ends = topology.edges[: len(plan.links)]
+        bad = ends[blocked(moved, *topology.nodes[ends].T)].ravel()
+        # What breaks another rule, or is at fault for no move of its own, ends it.
+        if not (~stays[bad]).any():
+            bad = np.arange(len(stays))
+        stays[bad] = True
+        shares = solve(topology, stays)[0]
 
 
 def topology_of(instance: Instance, rules: Rules, plan: Plan, edges: dict[int, int]) -> Topology:
@@ -192,8 +195,8 @@ def topology_of(instance: Instance, rules: Rules, plan: Plan, edges: dict[int, i
     return Topology(nodes, starts, ends, shares, places, weights, constant)
 
 
-def solve(topology: Topology) -> tuple[Floats, Floats]:
-    """Return t and u of (P), by Clarabel."""
+def solve(topology: Topology, stays: Bools) -> tuple[Floats, Floats]:
+    """Return t and u of (P), by Clarabel; some points may have to stay."""
     edges, count = topology.edges, len(topology.nodes)
     # A unit of the size of the sheet, so that the solver's tolerances are relative.
     unit = float(np.ptp(np.concatenate((topology.starts, topology.ends)), axis=0).max()) or 1.0
@@ -205,7 +208,8 @@ def solve(topology: Topology) -> tuple[Floats, Floats]:
     cost = (topology.weights / heaviest) @ cp.norm(apart, axis=1)
     # Of points that are equally good the nearest ones: others may lie behind a part for nothing.
     cost += STAY * np.linalg.norm(steps, axis=1) @ cp.abs(share - topology.shares)
-    problem = cp.Problem(cp.Minimize(cost), [ends, share >= 0, share <= 1])
+    least, most = (np.where(stays, topology.shares, end) for end in (0.0, 1.0))
+    problem = cp.Problem(cp.Minimize(cost), [ends, share >= least, share <= most])
     precision = {name: PRECISION for name in ("tol_gap_abs", "tol_gap_rel", "tol_feas")}
     with warnings.catch_warnings():
         # How accurate a point is shows in its value and its bound.
@@ -217,6 +221,7 @@ def solve(topology: Topology) -> tuple[Floats, Floats]:
     if share.value is None:
         return topology.shares, np.zeros((len(edges), 3))
     found = np.where(share.value < SNAP, 0.0, np.where(share.value > 1.0 - SNAP, 1.0, share.value))
+    found = np.where(stays, topology.shares, found)
     return found, -heaviest * np.asarray(ends.dual_value)
 
 
@@ -258,10 +263,13 @@ def moved_instance(instance: Instance, topology: Topology, shares: Floats) -> In
     return replace(instance, contours=contours)
 
 
-def _edges_of(instance: Instance) -> dict[int, int]:
-    """Return the edge of its curve that each entry point lies on."""
+def edges_of(instance: Instance, plan: Plan) -> dict[int, int]:
+    """Return the edge of its curve that each entry point of the plan lies on."""
+    made = [stroke for tour in strokes(instance, plan) for stroke in tour]
+    nodes = {end for stroke in made for end in (stroke.start, stroke.end)}
+    nodes |= {end for link in plan.links for end in link_ends(instance, link)}
     found = {}
-    for node in range(int(instance.first_node[-1])):
+    for node in sorted(nodes):
         point, curve = instance.points[node, :2], _curve(instance, node)
         ends = np.roll(curve, -1, axis=0)
         feet = [a + _share(point, a, b) * (b - a) for a, b in zip(curve, ends, strict=True)]

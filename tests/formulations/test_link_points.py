@@ -6,7 +6,7 @@ from oracles.random_outlines import random_outlines
 from scipy.optimize import minimize
 
 from cutgap.formulations import best_link_points, links_model, polish
-from cutgap.formulations.link_points import _edges_of, exact_bound, topology_of
+from cutgap.formulations.link_points import edges_of, exact_bound, topology_of
 from cutgap.instances import Contour, Head, Instance, Link, Machine, Plan, Rules, Visit, check, evaluate
 
 TRAVEL = Rules("travel", links=True)
@@ -36,7 +36,7 @@ def test_bound_and_value_meet_where_nothing_is_in_the_way(seed):
         assert check(found.instance, rules, found.plan) == []
         assert found.value == evaluate(found.instance, found.plan).objective(rules)
         assert found.lower_bound <= found.value <= before
-    topology = topology_of(instance, rules, plan, _edges_of(instance))
+    topology = topology_of(instance, rules, plan, edges_of(instance, plan))
     found = best_link_points(instance, rules, plan)
 
     def worth(shares):
@@ -72,7 +72,7 @@ def test_two_boxes_face_each_other():
     assert timed.lower_bound == pytest.approx(timed.value, rel=1e-7)
 
 
-def test_blocked_points_are_drawn_back():
+def test_ends_of_blocked_links_stay():
     """On the lower edge of the one and the upper edge of the other, a shorter link leads through the first."""
     plan, pair = Plan(((Visit(0, 0),),), (Link(0, 0, 1, 0),)), pair_of_boxes((24, 10))
     found = best_link_points(pair, TRAVEL, plan)
