@@ -12,8 +12,16 @@ from cutgap.heuristics.clustering import fuzzy_c_means, k_means
 from cutgap.heuristics.dual_coded import dual_coded, has_hot_route
 from cutgap.heuristics.dual_coded_fitness import DualCodedParameters
 from cutgap.heuristics.entry_search import entry_search
+from cutgap.heuristics.euler_bridging import euler_bridging
 from cutgap.heuristics.local_search import local_search
-from cutgap.heuristics.sides import has_one_head, has_tours, has_two_sides, on_curves
+from cutgap.heuristics.sides import (
+    has_links,
+    has_one_head,
+    has_single_tour,
+    has_tours,
+    has_two_sides,
+    on_curves,
+)
 from cutgap.heuristics.task_balancing import task_balancing
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.progress import Watch, nobody
@@ -77,8 +85,9 @@ HEURISTICS: dict[str, Heuristic] = {
     "fuzzy-c-means": Heuristic(fuzzy_c_means, has_two_sides),
     "local-search": Heuristic(local_search, has_tours),
     "entry-search": Heuristic(entry_search, has_one_head),
-    "ant-colony": Heuristic(ant_colony, has_one_head),
+    "ant-colony": Heuristic(ant_colony, has_single_tour),
     "priced-ant-colony": Heuristic(partial(ant_colony, parameters=PRICED), on_curves),
+    "euler-bridging": Heuristic(euler_bridging, has_links),
     "dual-coded-ga": Heuristic(dual_coded, has_hot_route),
     "dual-coded-ga-cool": Heuristic(partial(dual_coded, parameters=COOL), has_hot_route),
     "dual-coded-ga-travel": Heuristic(partial(dual_coded, parameters=IMPROVED), has_hot_route),
@@ -95,6 +104,7 @@ __all__ = [
     "ant_colony",
     "dual_coded",
     "entry_search",
+    "euler_bridging",
     "fuzzy_c_means",
     "k_means",
     "local_search",

@@ -71,16 +71,18 @@ def require_two_sides(instance: Instance, method: str) -> None:
 
 
 def has_two_sides(instance: Instance, rules: Rules) -> bool:
-    """Whether a partition in x of single entry points is asked for, under no process rule."""
+    """Whether a partition in x of single entry points is asked for, under no process rule and without links."""
     try:
         require_two_sides(instance, "")
     except ValueError:
         return False
-    return not rules.process
+    return not rules.process and not rules.links
 
 
 def has_tours(instance: Instance, rules: Rules) -> bool:
-    """Whether tours through single entry points are asked for, under no process rule."""
+    """Whether tours through single entry points are asked for, under no process rule and without links."""
+    if rules.links:
+        return False
     if len(instance.heads) > 1 and rules.non_overlap is not None:
         return has_two_sides(instance, rules)
     try:
@@ -91,8 +93,11 @@ def has_tours(instance: Instance, rules: Rules) -> bool:
 
 
 def has_one_head(instance: Instance, rules: Rules) -> bool:
-    """Whether one head is to choose order and entry points, with the curves that the rules need."""
-    if len(instance.heads) != 1 or not instance.contours or rules.via_points:
+    """Whether one head is to choose order and entry points, with the curves that the rules need.
+
+    Where links are allowed a tour without them is still a plan, unless the pierces are limited.
+    """
+    if len(instance.heads) != 1 or not instance.contours or rules.via_points or rules.pierces is not None:
         return False
     try:
         require_coordinates(instance, rules)
@@ -104,6 +109,20 @@ def has_one_head(instance: Instance, rules: Rules) -> bool:
 def on_curves(instance: Instance, rules: Rules) -> bool:
     """Whether one head has to mind curves on its way."""
     return (rules.neighbours_only or rules.clear_rapids) and has_one_head(instance, rules)
+
+
+def has_single_tour(instance: Instance, rules: Rules) -> bool:
+    """Whether one head is to choose order and entry points, without links."""
+    return not rules.links and has_one_head(instance, rules)
+
+
+def has_links(instance: Instance, rules: Rules) -> bool:
+    """Whether contours may be joined by links."""
+    try:
+        require_coordinates(instance, rules)
+    except ValueError:
+        return False
+    return rules.links
 
 
 def contour_xs(instance: Instance) -> Floats:
