@@ -13,6 +13,7 @@ from cutgap.heuristics.dual_coded import dual_coded, has_hot_route
 from cutgap.heuristics.dual_coded_fitness import DualCodedParameters
 from cutgap.heuristics.entry_search import entry_search
 from cutgap.heuristics.euler_bridging import euler_bridging
+from cutgap.heuristics.link_search import link_search
 from cutgap.heuristics.local_search import local_search
 from cutgap.heuristics.sides import (
     has_links,
@@ -88,6 +89,7 @@ HEURISTICS: dict[str, Heuristic] = {
     "ant-colony": Heuristic(ant_colony, has_single_tour),
     "priced-ant-colony": Heuristic(partial(ant_colony, parameters=PRICED), on_curves),
     "euler-bridging": Heuristic(euler_bridging, has_links),
+    "link-search": Heuristic(link_search, has_links),
     "dual-coded-ga": Heuristic(dual_coded, has_hot_route),
     "dual-coded-ga-cool": Heuristic(partial(dual_coded, parameters=COOL), has_hot_route),
     "dual-coded-ga-travel": Heuristic(partial(dual_coded, parameters=IMPROVED), has_hot_route),
@@ -107,6 +109,7 @@ __all__ = [
     "euler_bridging",
     "fuzzy_c_means",
     "k_means",
+    "link_search",
     "local_search",
     "task_balancing",
 ]
