@@ -15,6 +15,9 @@ from cutgap.instances.progress import Watch, nobody
 AUTO = "auto"
 """Name that leaves the choice of the exact method to ``cutgap.formulations.solve``."""
 
+STARTERS = {"free": "local-search", "links": "link-search"}
+"""Exact methods that start from a heuristic's plan."""
+
 
 def known_methods() -> tuple[str, ...]:
     """Return the names of all methods, exact ones first."""
@@ -90,11 +93,12 @@ def _run_exact(
     certify: bool,
     watch: Watch,
 ) -> Result:
-    """Run an exact method; where the partition is free it starts from a plan of the local search."""
+    """Run an exact method; some start from the plan of a heuristic."""
     begun, start = perf_counter(), None
-    if resolve(method, instance, rules) == "free":
+    starter = STARTERS.get(resolve(method, instance, rules))
+    if starter is not None:
         with suppress(ValueError):
-            start = HEURISTICS["local-search"](instance, rules, rng=np.random.default_rng(seed))
+            start = HEURISTICS[starter](instance, rules, rng=np.random.default_rng(seed), time_limit=time_limit)
     spent = perf_counter() - begun
     left = None if time_limit is None else max(0.0, time_limit - spent)
     result = solve(instance, rules, method=method, time_limit=left, start=start, certify=certify, watch=watch)
