@@ -1,9 +1,9 @@
 """How often to pierce as ignition gets dearer: ``python -m cutgap.benchmark.pierces FILE --t-aux 0.5 2 10 80``.
 
-For each ignition time the least makespan that is found over all numbers of pierces (``link-search``), beside two
-plans that do not choose: one stroke over doubled links (``euler-bridging``), as flames ask for, and the tour
-without links (``entry-search``), as for lasers. Where there is an exact method for links, its bound is shown, and
-its plan where it is better.
+For each ignition time the least makespan that is found over all numbers of pierces (``link-search``), beside
+two plans that do not choose: one stroke over doubled links (``euler-bridging``), as flames ask for, and the
+tour without links (``entry-search``), as for lasers. Where there is an exact method for links, its bound is
+shown, and its plan where it is better.
 
 Entry points are link points (``links.points``), unless the file's own are asked for; the home is the origin
 unless it is given.
