@@ -301,13 +301,20 @@ def _from_edges(sheet: Sheet, rings: Rings, pieces: Ints, contour: int, joint: J
 
 @numba.njit(cache=True)
 def _cheapest(sheet: Sheet, rings: Rings, pieces: Ints, piece: int, price: float, rng: Any) -> Joint:
-    """Return the cheapest joint of a piece without the home with another piece."""
+    """Return the cheapest joint of a piece without the home with another piece.
+
+    What is not in the main cycle is the same from both sides: a large piece is seen from the others.
+    """
     joint = (np.inf, -1, -1, -1)
+    large = 2 * (pieces == piece).sum() > len(pieces)
     for contour in range(len(pieces) - 1):
-        if pieces[contour] == piece:
-            for v in range(sheet.first[contour], sheet.first[contour + 1]):
+        own = pieces[contour] == piece
+        for v in range(sheet.first[contour], sheet.first[contour + 1]):
+            if own != large:
                 joint = _to_links(sheet, rings, pieces, v, joint, rng)
+            if own:
                 joint = _to_main(sheet, rings, v, price, joint, rng)
+        if own != large:
             joint = _from_edges(sheet, rings, pieces, contour, joint, rng)
     return joint
 

@@ -53,7 +53,7 @@ class LinkSearchParameters:
         Rounds of ruin and recreate for each contour.
     """
 
-    rounds_per_contour: int = 2000
+    rounds_per_contour: int = 500
 
     def __post_init__(self) -> None:
         rounds = self.rounds_per_contour
