@@ -23,15 +23,11 @@ from cutgap.heuristics.link_moves import (
     COST,
     PRICE,
     SCALE,
-    Rings,
-    Sheet,
-    copy,
     iterate,
-    new_rings,
     recreate,
     score,
-    total,
 )
+from cutgap.heuristics.link_rings import Rings, Sheet, copy, new_rings, total
 from cutgap.heuristics.link_sheet import MOST_NODES, chosen_nodes, plan_of_rings, rings_of, sheet_of
 from cutgap.heuristics.sides import Clock
 from cutgap.instances import Instance, Plan, Rules

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from cutgap.heuristics.euler_bridging import rooms
-from cutgap.heuristics.link_moves import Rings, Sheet, edge, insert, new_rings, rapid
+from cutgap.heuristics.link_rings import Rings, Sheet, edge, insert, new_rings, rapid
 from cutgap.instances import Instance, Link, Plan, Rules, Visit
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.links.clearance import blocked
@@ -27,7 +27,7 @@ def chosen_nodes(instance: Instance, wanted: set[int]) -> Ints:
     count = int(instance.first_node[-1])
     if count <= MOST_NODES:
         return np.arange(count + 1)
-    each = MOST_NODES // len(instance.contours)
+    each = max(1, MOST_NODES // len(instance.contours))
     chosen = set(wanted)
     for contour in range(len(instance.contours)):
         own = np.arange(*instance.first_node[contour : contour + 2])

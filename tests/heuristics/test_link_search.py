@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cutgap.heuristics import entry_search, euler_bridging, link_search
-from cutgap.heuristics.link_moves import new_rings
+from cutgap.heuristics.link_rings import new_rings
 from cutgap.heuristics.link_search import LinkSearchParameters
 from cutgap.heuristics.link_sheet import chosen_nodes, plan_of_rings, rings_of, sheet_of
 from cutgap.instances import Contour, Head, Instance, Machine, Plan, Rules, Visit, check, evaluate
