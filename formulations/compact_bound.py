@@ -23,6 +23,7 @@ from cutgap.formulations.certificate.proof import Budget
 from cutgap.formulations.certify import SCALE, Certificate, certificate_of
 from cutgap.formulations.compact import compact_model
 from cutgap.formulations.relaxations.bound import RelaxationBound, float_below
+from cutgap.formulations.scope import require_no_peak
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.formats.json_format import format_instance
 
@@ -97,6 +98,7 @@ def linear_bound(
         When the model does not apply, or the solver ends without multipliers.
     """
     begun = perf_counter()
+    require_no_peak(instance, rules, f"certified bound {formulation}")
     model = compact_model(instance, rules, formulation)
     relaxation = model.relax(time_limit=time_limit, with_clock=False)
     if relaxation.value is None:

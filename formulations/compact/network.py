@@ -65,12 +65,12 @@ class Pairs:
     @cached_property
     def into(self) -> csr_array:
         """Which pairs lead to each contour, shape (contours, pairs)."""
-        return _selection(self.heads, self.contours)
+        return selection(self.heads, self.contours)
 
     @cached_property
     def out_of(self) -> csr_array:
         """Which pairs leave each contour, shape (contours, pairs)."""
-        return _selection(self.tails, self.contours)
+        return selection(self.tails, self.contours)
 
     @cached_property
     def reversed(self) -> Ints:
@@ -78,7 +78,7 @@ class Pairs:
         return np.array([self.index[j, i] for i, j in self.names], dtype=np.int64)
 
 
-def _selection(rows: Ints, count: int) -> csr_array:
+def selection(rows: Ints, count: int) -> csr_array:
     """Return the matrix with a one in column c of row ``rows[c]``, if that is one of 0 .. count - 1."""
     columns = np.flatnonzero((rows >= 0) & (rows < count))
     return csr_array((np.ones(len(columns)), (rows[columns], columns)), shape=(count, len(rows)))
@@ -129,18 +129,18 @@ class Network:
     @cached_property
     def into(self) -> csr_array:
         """The matrix of q, shape (entry points, legs)."""
-        return _selection(self.heads, int(self.instance.first_node[-1]))
+        return selection(self.heads, int(self.instance.first_node[-1]))
 
     @cached_property
     def out_of(self) -> csr_array:
         """What leaves each entry point, shape (entry points, legs)."""
-        return _selection(self.tails, int(self.instance.first_node[-1]))
+        return selection(self.tails, int(self.instance.first_node[-1]))
 
     @cached_property
     def from_depot(self) -> csr_array:
         """The matrix of first, shape (entry points, legs)."""
         begins = self.closing | (self.contour_of[self.tails] == DEPOT)
-        return _selection(np.where(begins, self.heads, -1), int(self.instance.first_node[-1]))
+        return selection(np.where(begins, self.heads, -1), int(self.instance.first_node[-1]))
 
     def legs_of(self, tour: tuple[Visit, ...]) -> Floats | None:
         """Return x of a tour, ``None`` when it takes a leg that there is none of."""
@@ -244,7 +244,8 @@ def _closing_legs(instance: Instance, rules: Rules) -> tuple[Ints, Ints]:
     of = contours_of_nodes(instance)[: int(instance.first_node[-1])]
     allowed = (of[:, None] != of) | np.eye(len(of), dtype=np.bool_)
     single = len(instance.heads) == 1 and len(instance.contours) >= 2
-    if single and not (rules.via_points or rules.process or instance.precedence):
+    ordered = rules.via_points or rules.process or instance.precedence or rules.speaks_of_heat
+    if single and not ordered:
         allowed &= (of[:, None] != 0) & (of == 0)
     ends, starts = np.nonzero(allowed)
     return ends.astype(np.int64), starts.astype(np.int64)

@@ -1,7 +1,7 @@
 """A model in cvxpy, put together from its families, and the same as one matrix."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cvxpy as cp
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from cutgap.formulations.compact import clock, problem
 from cutgap.formulations.compact import rules as order_rules
 from cutgap.formulations.compact.family import Family, RowName
+from cutgap.formulations.compact.heat import LAG_CELLS, heat
 from cutgap.formulations.compact.network import Network, networks_of
 from cutgap.formulations.compact.tours import POSITIONS, TOUR_FORMULATIONS
 from cutgap.formulations.compact.tours.order import position
@@ -17,6 +18,7 @@ from cutgap.formulations.compact.tours.subtours import enter, names_of_set
 from cutgap.formulations.compact.variables import HeadVariables, head_variables
 from cutgap.instances import Instance, Rules
 from cutgap.instances.arrays import Floats
+from cutgap.instances.heat import require_heat
 
 Sets = frozenset[tuple[int, ...]]
 """Sets of contours, ascending."""
@@ -79,12 +81,16 @@ def assemble(
     sets: Sets = frozenset(),
     margin_s: float = 0.0,
     with_clock: bool = True,
+    lag_cells: int = LAG_CELLS,
 ) -> Programme:
     """Build the model of a problem with a tour formulation, or its relaxation.
 
-    ``sets`` are those of ``dfj-rounds``, ``margin_s`` is what ``clock.late_clear`` says. Without the
-    clock two heads do not know the time: a relaxation, whose bound a certificate can show.
+    ``sets`` are those of ``dfj-rounds``, ``margin_s`` is what ``clock.late_clear`` says; with one, heat is
+    taken from above. Without the clock two heads do not know the time, and a cap on temperatures is left out:
+    a relaxation, whose bound a certificate can show.
     """
+    if not with_clock:
+        rules = replace(rules, temperature_cap=None)
     heads = tuple(head_variables(network, integer=integer) for network in networks_of(instance, rules))
     families = [*problem.cut_once(heads), *problem.leave_once(instance, rules, heads)]
     for head in heads:
@@ -96,8 +102,18 @@ def assemble(
         families += _order(instance, rules, formulation, heads)
         if len(heads) == 2 and with_clock:
             families += _times(instance, rules, heads, margin_s)
+    if rules.speaks_of_heat and len(heads) == 1:
+        peak = cp.Variable(name="peak", bounds=[require_heat(instance).ambient_c, np.inf])
+        families += heat(heads[0], rules, peak, lag_cells, integer=integer, above=margin_s > 0.0)
+        if rules.objective == "peak":
+            return Programme(heads, tuple(families), peak)
     objective, rows = _objective(rules, heads)
     return Programme(heads, (*families, *rows), objective)
+
+
+def least_objective(instance: Instance, rules: Rules) -> float:
+    """Return what no plan's objective is below, in the rules' unit."""
+    return require_heat(instance).ambient_c if rules.objective == "peak" else 0.0
 
 
 def _limits(instance: Instance, rules: Rules, heads: tuple[HeadVariables, ...]) -> Iterator[Family]:

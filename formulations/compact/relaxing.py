@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cutgap.formulations.compact.family import RowName
-from cutgap.formulations.compact.programme import Programme, Sets, assemble, matrix_form
+from cutgap.formulations.compact.heat import LAG_CELLS
+from cutgap.formulations.compact.programme import Programme, Sets, assemble, least_objective, matrix_form
 from cutgap.formulations.compact.solvers import AGREEMENT, Outcome, require_solver, run
 from cutgap.formulations.compact.tours import ROUNDS
 from cutgap.formulations.compact.tours.subtours import sets_not_entered
@@ -76,6 +77,7 @@ def relax(
     solver: str,
     time_limit: float | None,
     with_clock: bool = True,
+    lag_cells: int = LAG_CELLS,
 ) -> Relaxation:
     """Solve a relaxation; see ``CompactModel.relax``."""
     begun = time.perf_counter()
@@ -83,10 +85,18 @@ def relax(
     sets: Sets = frozenset()
     bound, rounds = None, 0
     while True:
-        programme = assemble(instance, rules, formulation, integer=False, sets=sets, with_clock=with_clock)
+        programme = assemble(
+            instance,
+            rules,
+            formulation,
+            integer=False,
+            sets=sets,
+            with_clock=with_clock,
+            lag_cells=lag_cells,
+        )
         outcome = run(programme.problem(), solver, seconds_left(begun, time_limit), integer=False)
         rounds += 1
-        bound = larger(bound, outcome.safe_bound)
+        bound = larger(bound, outcome.safe_bound(least_objective(instance, rules)))
         found = outcome.state == "optimal" and formulation == ROUNDS
         new = sets_of_point(programme) - sets if found else frozenset()
         if not new:

@@ -23,7 +23,7 @@ State = Literal["optimal", "infeasible", "stopped", "failed"]
 STATES: dict[str, State] = {
     cp.OPTIMAL: "optimal",
     cp.INFEASIBLE: "infeasible",
-    # No model here is unbounded: all costs are at least 0.
+    # No model here is unbounded: all costs are at least 0, but for a constant.
     cp.settings.INFEASIBLE_OR_UNBOUNDED: "infeasible",
     cp.USER_LIMIT: "stopped",
 }
@@ -54,15 +54,11 @@ class Outcome:
     bound: float | None = None
     message: str = ""
 
-    @property
-    def safe_bound(self) -> float | None:
-        """The claimed bound, lowered by ``AGREEMENT``."""
-        return None if self.bound is None else lowered(self.bound)
-
-
-def lowered(bound: float) -> float:
-    """Return a bound lowered by ``AGREEMENT``, but 0 at least, as every objective is."""
-    return max(0.0, bound - AGREEMENT * max(1.0, abs(bound)))
+    def safe_bound(self, least: float) -> float | None:
+        """Return the claimed bound, lowered by ``AGREEMENT``, but no less than every objective is."""
+        if self.bound is None:
+            return None
+        return max(least, self.bound - AGREEMENT * max(1.0, abs(self.bound)))
 
 
 def require_solver(solver: str, *, integer: bool) -> None:

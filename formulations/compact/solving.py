@@ -4,8 +4,9 @@
     (2) value: of the plan, by ``evaluate``
     (3) lower bound: the plan's value, when the solver claims an optimum and its value is the plan's up to a
         relative ``AGREEMENT``; else the solver's own bound, lowered by ``AGREEMENT``; else the relaxation's
-    (4) a plan that breaks a rule between two heads by a tie or a tolerance (``clock``): the model is solved
-        once more with a margin, and the bound stays
+    (4) a plan that breaks a rule between two heads by a tie or a tolerance (``clock``), or the cap on
+        temperatures within the cells of its lags (``heat``): the model is solved once more with a margin, or
+        with the most heat of each cell, and the bound stays
 
 Both kinds of bound are claims in floating point, without a certificate.
 """
@@ -14,8 +15,9 @@ import time
 
 import numpy as np
 
+from cutgap.formulations.compact.heat import LAG_CELLS
 from cutgap.formulations.compact.network import plan_of
-from cutgap.formulations.compact.programme import Programme, Sets, assemble
+from cutgap.formulations.compact.programme import Programme, Sets, assemble, least_objective
 from cutgap.formulations.compact.relaxing import larger, reason_of, relax, seconds_left, sets_of_point
 from cutgap.formulations.compact.solvers import AGREEMENT, Outcome, require_solver, run
 from cutgap.formulations.compact.tours import ROUNDS
@@ -29,12 +31,18 @@ class Solving:
     """One run: a solver, a time limit, and the bound so far."""
 
     def __init__(
-        self, instance: Instance, rules: Rules, formulation: str, solver: str, time_limit: float | None
+        self,
+        instance: Instance,
+        rules: Rules,
+        formulation: str,
+        solver: str,
+        time_limit: float | None,
+        lag_cells: int = LAG_CELLS,
     ) -> None:
         self.begun = time.perf_counter()
         require_solver(solver, integer=True)
         self.instance, self.rules, self.formulation = instance, rules, formulation
-        self.solver, self.time_limit = solver, time_limit
+        self.solver, self.time_limit, self.lag_cells = solver, time_limit, lag_cells
         self.bound: float | None = None
 
     def result(self) -> Result:
@@ -47,7 +55,8 @@ class Solving:
         broken = [] if plan is None else check(self.instance, self.rules, plan)
         if broken:
             reason = (
-                f"the plan of {self.solver} breaks a rule by a tie or its tolerance: {broken[0].constraint}"
+                f"the plan of {self.solver} breaks a rule by a tie, a cell of lags or its tolerance: "
+                f"{broken[0].constraint}"
             )
             plan = self._safe_plan(sets) or plan
         elif plan is not None:
@@ -75,12 +84,18 @@ class Solving:
         """Solve the model, in rounds for as long as it finds cycles; without a margin its bound counts."""
         while True:
             programme = assemble(
-                self.instance, self.rules, self.formulation, integer=True, sets=sets, margin_s=margin_s
+                self.instance,
+                self.rules,
+                self.formulation,
+                integer=True,
+                sets=sets,
+                margin_s=margin_s,
+                lag_cells=self.lag_cells,
             )
             left = seconds_left(self.begun, self.time_limit)
             outcome = run(programme.problem(), self.solver, left, integer=True)
             if margin_s == 0.0:
-                self.bound = larger(self.bound, outcome.safe_bound)
+                self.bound = larger(self.bound, outcome.safe_bound(least_objective(self.instance, self.rules)))
             plan = _plan(programme) if outcome.value is not None else None
             if plan is not None or outcome.state != "optimal" or self.formulation != ROUNDS:
                 return plan, outcome
@@ -98,7 +113,9 @@ class Solving:
         """Apply (3) to an allowed plan."""
         claimed = outcome.value
         agrees = claimed is not None and abs(value - claimed) <= AGREEMENT * max(1.0, abs(value))
-        if outcome.state == "optimal" and agrees:
+        if not np.isfinite(value):
+            self.bound = None  # an infinite peak has no gap
+        elif outcome.state == "optimal" and agrees:
             self.bound = value
         elif self.bound is not None:
             self.bound = min(self.bound, value)
