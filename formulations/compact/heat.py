@@ -92,7 +92,7 @@ class Walk:
     rapids
         Their durations, s.
     warmth
-        What their ends catch from the contours that they leave, K.
+        What their ends catch from the contours that they leave, K; 0 where that is above the cap.
     go
         Shape ((n - 1) legs,), by position, then leg.
     """
@@ -104,9 +104,12 @@ class Walk:
         self.tails, self.heads = network.tails[self.legs], network.heads[self.legs]
         self.rapids: Floats = network.lengths[self.legs] / self.instance.machine.v_jump
         near = curve_distances(self.instance)[self.heads, self.contour_of[self.tails]]
-        self.warmth = np.minimum(rise(self.instance, near, self.rapids), INFINITE)
-        most = np.tile(self.warmth <= limit, self.steps)
-        self.go = cp.Variable(len(most), name="go", bounds=[0, most.astype(np.float64)])
+        warmth = np.minimum(rise(self.instance, near, self.rapids), INFINITE)
+        may = warmth <= limit
+        # What is 0 is not priced: huge numbers in rows cost digits.
+        self.warmth: Floats = np.where(may, warmth, 0.0)
+        most = np.tile(may.astype(np.float64), self.steps)
+        self.go = cp.Variable(len(most), name="go", bounds=[0, most])
 
     @property
     def steps(self) -> int:
@@ -170,7 +173,7 @@ class Meetings:
     points, contours
         Shape (couples,): v and j.
     warmth
-        Shape (pairs, couples, cells): T_vjc, K.
+        Shape (pairs, couples, cells): T_vjc, K; 0 where that is above the cap.
     lag, met
         Shapes (pairs cells,) and (pairs couples cells,).
     """
@@ -208,11 +211,11 @@ def meetings_of(walk: Walk, cells: int, limit: float, *, integer: bool, above: b
     edges = _edges(walk, pairs, cells)
     distances = curve_distances(instance)[points, contours]
     warmth = _envelope(instance, distances[:, None], edges[:, None, :], above=above)
-    most = (warmth <= limit).ravel()
+    may = warmth <= limit
     shape = len(pairs) * cells
     lag = cp.Variable(shape, "lag", boolean=True) if integer else cp.Variable(shape, "lag", bounds=[0, 1])
-    met = cp.Variable(size, name="met", bounds=[0, most.astype(np.float64)])
-    return Meetings(walk, pairs, edges, points, contours, warmth, lag, met)
+    met = cp.Variable(size, name="met", bounds=[0, may.ravel().astype(np.float64)])
+    return Meetings(walk, pairs, edges, points, contours, np.where(may, warmth, 0.0), lag, met)
 
 
 def _edges(walk: Walk, pairs: Ints, cells: int) -> Floats:

@@ -87,6 +87,20 @@ def test_the_bound_is_that_of_the_best_plan_with_cells(seed):
     assert (result.status, result.plan) == ("infeasible", None)
 
 
+@pytest.mark.parametrize("seed", [1265, 1528])
+def test_huge_rises_above_a_cap_cost_no_optimum(seed):
+    """HiGHS lost the optimum of these plates while what is above the cap was priced in the rows."""
+    instance = tied_plate(np.random.default_rng(seed), 3, points=1 + seed % 3)
+    plans, cells = hot_plans(instance), CellPeaks(instance, 4)
+    peaks = {plan.tour: cells.peak(plan.tour) for plan in plans.plans}
+    levels = np.unique(np.round([peak for peak in peaks.values() if peak < 9e5], 6))
+    third = len(levels) // 3
+    cap = float(levels[third] + levels[third + 1]) / 2
+    shortest = min(plan.travel for plan in plans.plans if peaks[plan.tour] <= cap)
+    result = compact_model(instance, replace(TRAVEL, temperature_cap=cap), lag_cells=4).solve()
+    assert result.lower_bound == close(shortest)
+
+
 def test_fine_cells_close_the_gap():
     """At most (n - 2) w below the least peak; under a cap that no plan misses by so little, not at all."""
     instance = tied_plate(np.random.default_rng(HOT), 3, points=3, home=True, metric="euclidean")
