@@ -8,12 +8,19 @@ r"""Runs of visits that overheat, and walk problems without them.
     (2)       from a state a step to w leads to the state of w and the items that go on; it is forbidden when
               a run is complete
 
-(1) holds since all terms are at least 0, and the times within a run follow from its points alone; a run is made
-only of combinations that all exceed the cap by it. So no plan within the cap contains a run, and walks over
-states by (2), each contour at one of its states, are exactly the walks over points that contain no run: the
-walk problem over states is a relaxation of travel under the cap, and its optimum is a lower bound. When its
-best walk keeps the cap, that is the best plan; else a visit is too warm, the last k + 1 visits up to it, the
-fewest that exceed the cap, are a new run, and no walk comes back. There are finitely many walks, so this ends.
+    (3)       G_i(v) = min over steps v -> u, u in E_(i+1), of G_(i+1)(u)  +  least T(L_wv, t) over t in I_i(v)
+              least rise at w of the visits from v in E_i on;  G_k(w) = 0,  I_k(w) = 0
+              I_i(v) = [least, most] over these steps of d_vu + s_u + I_(i+1)(u), without s_u for u = w
+
+(1) holds since all terms are at least 0, and the times within a run follow from its points alone. (3) is at
+most (1) for each combination: by induction from w back, the lag of visit i is in I_i(v), where the kernel is
+least at an end, and one of the u is the combination's own. A run is a walk that exceeds the cap by (1), widened
+by points as long as G_0 exceeds it at each w; so all its combinations do, and no plan within the cap contains
+it. Walks over states by (2), each contour at one of its states, are exactly the walks over points that contain
+no run: the walk problem over states is a relaxation of travel under the cap, and its optimum is a lower bound.
+When its best walk keeps the cap, that is the best plan; else a visit is too warm, the last k + 1 visits up to
+it, the fewest that exceed the cap, are a new run, and no walk comes back. There are finitely many walks, so
+this ends.
 
 Source: the determinisation of an automaton for forbidden words (Aho and Corasick, 1975), over sets of points.
 """
@@ -24,14 +31,14 @@ import numpy as np
 from numba import njit
 
 from cutgap.formulations.contour_dp.walks import Walks
-from cutgap.formulations.heat.plates import Plate, warmth
+from cutgap.formulations.heat.plates import Plate, least_warmth, warmth
 from cutgap.instances.arrays import Ints
 
 Run = tuple[frozenset[int], ...]
 Items = frozenset[tuple[int, int]]
 
-MOST_PRODUCTS = 20_000
-"""Most combinations of points of a run that are looked through."""
+ROUNDING = 1e-12
+"""Relative slack of times."""
 
 
 @njit(cache=True)
@@ -46,21 +53,32 @@ def rise_from(plate: Plate, points: Ints, since: int, last: int) -> float:
 
 
 @njit(cache=True)
-def all_overheat(plate: Plate, choices: Ints, sizes: Ints, cap: float) -> bool:
-    """Whether each combination of points exceeds the cap by (1); row i of ``choices`` begins with E_i."""
-    place, points = np.zeros(len(sizes), dtype=np.int64), choices[:, 0].copy()
-    while True:
-        if not rise_from(plate, points, 0, len(points) - 1) > cap:
-            return False
-        i = 0
-        while i < len(sizes) and place[i] == sizes[i] - 1:
-            place[i] = 0
-            points[i] = choices[i, 0]
-            i += 1
-        if i == len(sizes):
-            return True
-        place[i] += 1
-        points[i] = choices[i, place[i]]
+def least_rise_at(plate: Plate, w: int, choices: Ints, sizes: Ints) -> float:
+    """Return the least G_0 of (3) at point w, K; row i of ``choices`` begins with E_i, of one contour."""
+    widest = choices.shape[1]
+    soon, late, rise = np.zeros(widest), np.zeros(widest), np.zeros(widest)
+    after, count = np.full(widest, w), 1
+    for i in range(len(sizes) - 1, -1, -1):
+        new_soon, new_late, new_rise = np.full(widest, np.inf), np.zeros(widest), np.full(widest, np.inf)
+        for x in range(sizes[i]):
+            v = choices[i, x]
+            for y in range(count):
+                u = after[y]
+                if plate.cost[v, u] == np.inf or rise[y] == np.inf:
+                    continue
+                way = plate.time[v, u]
+                if i < len(sizes) - 1:
+                    way += plate.service[plate.contour_of[u]]
+                new_soon[x] = min(new_soon[x], way + soon[y])
+                new_late[x] = max(new_late[x], way + late[y])
+                new_rise[x] = min(new_rise[x], rise[y])
+            if new_rise[x] < np.inf:
+                soonest, latest = new_soon[x] * (1.0 - ROUNDING), new_late[x] * (1.0 + ROUNDING)
+                far = plate.distance[w, plate.contour_of[v]]
+                new_rise[x] += least_warmth(plate.constant, plate.spread, far, soonest, latest)
+        soon, late, rise = new_soon, new_late, new_rise
+        after, count = choices[i], sizes[i]
+    return float(rise[:count].min())
 
 
 def too_warm(plate: Plate, walk: Ints, cap: float) -> list[list[int]]:
@@ -76,27 +94,28 @@ def too_warm(plate: Plate, walk: Ints, cap: float) -> list[list[int]]:
 
 
 def widened(plate: Plate, points: list[int], cap: float) -> Run:
-    """Return a run that contains these points, with more points of the same contours one by one."""
+    """Return a run that contains these points, with more points of the same contours by (3)."""
     sets = [[point] for point in points]
     for i, point in enumerate(points):
         a = int(plate.contour_of[point])
-        for other in range(int(plate.first[a]), int(plate.first[a + 1])):
-            if other != point:
-                trial = [*sets[:i], [*sets[i], other], *sets[i + 1 :]]
-                if overheats(plate, trial, cap):
-                    sets = trial
+        others = [each for each in range(int(plate.first[a]), int(plate.first[a + 1])) if each != point]
+        # All at once where that is possible, since it mostly is.
+        for more in (others, *([each] for each in others)):
+            trial = [*sets[:i], sets[i] + more, *sets[i + 1 :]]
+            if more and overheats(plate, trial, cap):
+                sets = trial
+                if more is others:
+                    break
     return tuple(frozenset(each) for each in sets)
 
 
 def overheats(plate: Plate, sets: list[list[int]], cap: float) -> bool:
-    """Whether all combinations exceed the cap; False when they are too many to tell."""
-    sizes = np.array([len(each) for each in sets], dtype=np.int64)
-    if sizes.prod() > MOST_PRODUCTS:
-        return False
-    choices = np.zeros((len(sets), int(sizes.max())), dtype=np.int64)
-    for i, each in enumerate(sets):
+    """Whether (3) shows that all combinations exceed the cap."""
+    sizes = np.array([len(each) for each in sets[:-1]], dtype=np.int64)
+    choices = np.zeros((len(sizes), int(sizes.max())), dtype=np.int64)
+    for i, each in enumerate(sets[:-1]):
         choices[i, : len(each)] = each
-    return bool(all_overheat(plate, choices, sizes, cap))
+    return all(least_rise_at(plate, w, choices, sizes) > cap for w in sets[-1])
 
 
 def without_hot_pairs(plate: Plate, walks: Walks, cap: float) -> Walks:
