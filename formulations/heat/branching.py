@@ -35,6 +35,8 @@ DONE, FOUND, PAUSED = 0, 1, 2
 TRAVEL, PEAK = 0, 1
 ROUNDING = 1e-9
 """Relative slack of times."""
+ENDLESS = 1e300
+"""Stands for an infinite rise where one is an objective, K: below no best value at all, which is infinite."""
 
 
 class Bounds(NamedTuple):
@@ -126,7 +128,7 @@ def begin(plate: Plate, bounds: Bounds, limits: Limits, stack: Stack, first: int
             cut = 1 << plate.contour_of[w]
             travel, peak = plate.out[w] + bounds.travel[cut, w], bounds.peak[cut, w]
             if travel <= limits.travel and peak <= limits.rise:
-                _insert(stack, 0, w, travel if limits.objective == TRAVEL else peak, 0.0)
+                _insert(stack, 0, w, travel if limits.objective == TRAVEL else min(peak, ENDLESS), 0.0)
 
 
 @njit(cache=True)
@@ -207,7 +209,7 @@ def _expand(plate: Plate, bounds: Bounds, limits: Limits, stack: Stack, d: int, 
             a = plate.contour_of[stack.order[j]]
             rise += warmth(plate.constant, plate.spread, plate.distance[w, a], start - stack.end[j])
         if rise <= rise_limit:
-            _insert(stack, d, w, travel if by_travel else max(peak, rise), rise)
+            _insert(stack, d, w, travel if by_travel else min(max(peak, rise), ENDLESS), rise)
 
 
 @njit(cache=True)
@@ -233,7 +235,8 @@ def _is_hopeless(plate: Plate, bounds: Bounds, stack: Stack, d: int, limit: floa
             can_start = can_start or _least_rise(plate, stack, d, p, soonest, latest, limit) <= limit
             if not someone_last:
                 tail = bounds.tail[full ^ cut ^ 1 << c, p]
-                someone_last = _least_rise(plate, stack, d, p, last, latest, limit - tail) <= limit - tail
+                # Not less tail on the right: where both are infinite, the plan may be as hot as it likes.
+                someone_last = _least_rise(plate, stack, d, p, last, latest, limit) + tail <= limit
             if can_start and someone_last:
                 break
         if not can_start:

@@ -10,6 +10,7 @@ import numpy as np
 
 from cutgap.formulations.heat.branching import (
     DONE,
+    ENDLESS,
     FOUND,
     Bounds,
     advance,
@@ -82,7 +83,7 @@ class ExactSearch:
     def _root_bound(self, root: int) -> float:
         """Return a bound on the objective of the plans of a root."""
         if not self.run.by_travel:
-            return self.root_peak
+            return min(self.root_peak, ENDLESS)
         table, first = self._travel(self.ends[root][1]), self.ends[root][0]
         return _least_of(self.plate, table, self.plate.out, first)
 
@@ -91,7 +92,7 @@ class ExactSearch:
         internal = min(
             internal, self.refused, np.inf if self.run.best is None else self.run.internal(self.run.best)
         )
-        if np.isfinite(internal):
+        if internal < ENDLESS:
             bound = self.run.objective(internal)
             self.run.bound = bound if self.run.bound is None else max(self.run.bound, bound)
 

@@ -74,6 +74,7 @@ def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch
             start=shortest.plan,
             watch=watch,
             most_travel=shortest.value,
+            backward_price=rules.backward_price,
         )
         peak = coolest.value
         if coolest.plan is None or peak is None:

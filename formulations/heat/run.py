@@ -2,12 +2,13 @@
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from cutgap.formulations.heat.annealing import MUCH, anneal, travel_of
-from cutgap.formulations.heat.branching import PEAK, TRAVEL, Limits
+from cutgap.formulations.heat.branching import ENDLESS, PEAK, TRAVEL, Limits
 from cutgap.formulations.heat.plates import Plate, plan_of, plate_of, points_of, rise_limit
 from cutgap.instances import Instance, Plan, Rules, check, evaluate
 from cutgap.instances.arrays import Ints
@@ -32,6 +33,8 @@ class Run:
     ----------
     most_travel
         Limit on travel and backward price besides the rules, mm (a point of the front asks for it).
+    price
+        Price of going back, in the rules or besides them.
     best, value
         The best allowed plan within all limits and its objective in ``rules.unit``.
     bound
@@ -45,12 +48,15 @@ class Run:
         watch: Watch,
         time_limit: float | None = None,
         most_travel: float = np.inf,
+        backward_price: float = 0.0,
     ) -> None:
         self.instance, self.rules, self.watch = instance, rules, watch
         self.begun = time.perf_counter()
         self.deadline = np.inf if time_limit is None else self.begun + time_limit
         self.most_travel = most_travel
-        self.plate: Plate = plate_of(instance, rules)
+        # A price goes with no rules for the peak, yet counts in its limit on travel.
+        self.price = max(rules.backward_price, backward_price)
+        self.plate: Plate = plate_of(instance, replace(rules, objective="travel", backward_price=self.price))
         self.best: Plan | None = None
         self.value: float | None = None
         self.bound: float | None = None
@@ -94,7 +100,7 @@ class Run:
         """Return travel (price included) in mm, or the largest rise in K, of a plan."""
         evaluation = evaluate(self.instance, plan)
         if self.by_travel:
-            return evaluation.total_travel_mm + self.rules.backward_price * sum(evaluation.backward_mm)
+            return evaluation.total_travel_mm + self.price * sum(evaluation.backward_mm)
         assert evaluation.peak_temperature_c is not None
         assert self.instance.material is not None
         return evaluation.peak_temperature_c - self.instance.material.ambient_c
@@ -104,7 +110,7 @@ class Run:
         """The objective of the best plan, inside, less what rounding may add; infinite without a plan."""
         if self.best is None:
             return np.inf
-        internal = self.internal(self.best)
+        internal = min(self.internal(self.best), ENDLESS)
         return internal - 1e-11 * max(1.0, abs(internal))
 
     def offer(self, plan: Plan) -> bool:
@@ -112,7 +118,7 @@ class Run:
         if check(self.instance, self.rules, plan):
             return False
         evaluation = evaluate(self.instance, plan)
-        travel = evaluation.total_travel_mm + self.rules.backward_price * sum(evaluation.backward_mm)
+        travel = evaluation.total_travel_mm + self.price * sum(evaluation.backward_mm)
         if travel > self.limits().travel:
             return False
         value = evaluation.objective(self.rules)

@@ -38,6 +38,7 @@ def solve_heat(
     certify: bool = False,
     watch: Watch = nobody,
     most_travel: float = np.inf,
+    backward_price: float = 0.0,
 ) -> Result:
     """Solve an instance with one head under a cap on temperatures, or for the least peak.
 
@@ -50,8 +51,8 @@ def solve_heat(
     certify
         Whether to add a verified certificate of the bound on travel without heat, which is at most the
         result's.
-    most_travel
-        A limit on travel, backward price included, besides the rules, mm.
+    most_travel, backward_price
+        A limit on travel besides the rules, mm, and the price of going back that counts in it.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def solve_heat(
     _require_scope(instance, rules)
     if not instance.contours:
         return _nothing(instance, rules)
-    run = Run(instance, rules, watch, time_limit, most_travel)
+    run = Run(instance, rules, watch, time_limit, most_travel, backward_price)
     solving = _Solving(run)
     try:
         if start is not None:

@@ -14,8 +14,9 @@ from cutgap.formulations.heat import exact, lazy
 from cutgap.formulations.heat import solve as method
 from cutgap.formulations.heat.front import heat_front
 from cutgap.formulations.heat.pairwise import pairwise_bound
+from cutgap.formulations.heat.run import Run
 from cutgap.formulations.heat.solve import solve_heat
-from cutgap.instances import Contour, Head, Instance, Rules, Status, check, evaluate
+from cutgap.instances import Contour, Head, Instance, Machine, Rules, Status, check, evaluate
 from cutgap.instances.formats.json_format import format_instance
 
 TRAVEL, PEAK = Rules(objective="travel"), Rules(objective="peak")
@@ -80,6 +81,69 @@ def test_the_front_is_that_of_all_plans(seed):
         assert any(near(point.value, each.travel) and near(peak(point), each.peak) for each in expected)
     for each in expected:
         assert any(beats(point, each) for point in found)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_front_counts_the_price_of_going_back(seed):
+    instance = tied_plate(np.random.default_rng(seed), 4, points=2, metric="euclidean")
+    rules = replace(TRAVEL, backward_price=2.0)
+    every = [evaluate(instance, each.plan) for each in hot_plans(instance).plans]
+    found = heat_front(instance, rules)
+    assert all(point.status is Status.OPTIMAL for point in found)
+    for plan in every:
+        if np.isfinite(plan.peak_temperature_c):
+            value = plan.objective(rules)
+            assert any(
+                point.value <= value + 1e-8 and peak(point) <= plan.peak_temperature_c + 1e-6 for point in found
+            )
+
+
+def spots(matrix):
+    """Return a plate of three contours without length on one spot, and one elsewhere."""
+    made = []
+    for k, (left, side) in enumerate(((0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (10.0, 2.0))):
+        curve = np.array([[left, 0.0], [left + side, 0.0], [left + side, side], [left, side]])
+        made.append(Contour(f"c{k}", np.array([[left, 0.0, 0.0]]), 4 * side, geometry=curve))
+    machine = Machine(v_jump=20.0, v_cut=10.0, t_aux=0.0, metric="matrix")
+    head = Head("head", np.zeros(3))
+    return Instance("spots", tuple(made), (head,), machine, material=STEEL, matrix=matrix)
+
+
+@pytest.fixture
+def no_first_plan(monkeypatch):
+    """Leave all to the branch and bound: on so small a plate the first plan is mostly the best one."""
+
+    def first_path(run):
+        return np.array(run.plate.first[:-1])
+
+    monkeypatch.setattr(Run, "first_path", first_path)
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.usefixtures("no_first_plan")
+def test_a_plan_may_be_endlessly_hot_where_nothing_caps_it(seed):
+    matrix = np.random.default_rng(seed).integers(0, 30, (5, 5)).astype(float)
+    matrix[:3, :3] = 0.0
+    instance = spots(matrix)
+    plans = hot_plans(instance)
+    assert_optimal(instance, TRAVEL, plans.least_travel().travel)
+    hot = solve_heat(instance, PEAK)
+    assert hot.plan is not None
+    assert np.isinf(hot.value)
+    assert hot.lower_bound is None
+
+
+@pytest.mark.parametrize("seed", range(200, 220))
+@pytest.mark.usefixtures("no_first_plan")
+def test_branch_and_bound_alone(seed):
+    instance = drawn(seed)
+    plans = hot_plans(instance)
+    assert_optimal(instance, TRAVEL, plans.least_travel().travel)
+    for cap in caps_of(plans):
+        assert_optimal(instance, replace(TRAVEL, temperature_cap=cap), least_travel(plans, cap))
+    coolest = plans.least_peak().peak
+    if np.isfinite(coolest):
+        assert_optimal(instance, PEAK, coolest)
 
 
 def near(a, b):
