@@ -135,7 +135,7 @@ class LazySearch:
             closing.advance()
             self._note(min(closing.bound, incumbent.limit))
         if closing.closed:
-            self._note(incumbent.cost)
+            self._note(incumbent.limit)
         return closing, incumbent
 
     def _learn(self, walk: Ints) -> bool:
