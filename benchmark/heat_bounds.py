@@ -7,8 +7,8 @@ On each of several seeded dense plates, rapids clear:
     t_h   least travel with a peak of at most p_0 / 2 (in deg C), or with half the rise above ambient
 
 The claim holds on a plate when a plan within 1.05 t_0 has at most half the peak; it is refuted when t_h is
-proved to be beyond 1.05 t_0, or no plan has so low a peak. On plates that branch and bound closes (``heat``) all
-are optima, marked =. On larger ones t_0 is one, p_0 and p_5 are peaks of plans that were found, and t_h lies
+proved to be beyond 1.05 t_0, or no plan has so low a peak. On plates that branch and bound closes, all are
+optima, marked =. On larger ones t_0 is one, p_0 and p_5 are peaks of plans that were found, and t_h lies
 between a bound and a plan; what these leave open is counted as open.
 """
 

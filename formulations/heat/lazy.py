@@ -53,7 +53,8 @@ class LazySearch:
     """
 
     def __init__(self, run: Run, start: Ints) -> None:
-        self.run, self.annealing = run, run.annealing(start)
+        self.run = run
+        self.annealings = (run.annealing(start), run.annealing(start, afresh=True))
         self.cap = run.limits().rise
         self.runs: list[Visits] = []
         left = run.deadline - time.perf_counter()
@@ -75,7 +76,7 @@ class LazySearch:
             and run.internal(run.best) <= self.plain.incumbent.cost * (1.0 + 1e-12)
         ):
             return True
-        run.improve(self.annealing, self._share(ANNEAL_SECONDS))
+        self._anneal(self._share(ANNEAL_SECONDS))
         if run.instance.heads[0].home is None:
             return False
         return self._rounds()
@@ -89,6 +90,11 @@ class LazySearch:
             turns = len(tour)
         for turn in range(turns):
             self.run.offer(Plan((tour[turn:] + tour[:turn],)))
+
+    def _anneal(self, seconds: float) -> None:
+        """Look for plans for so many seconds, in both ways: neither is the better one on all plates."""
+        for pieces in self.annealings:
+            self.run.improve(pieces, seconds / len(self.annealings))
 
     def _share(self, most: float) -> float:
         left = self.run.deadline - time.perf_counter()
@@ -121,7 +127,7 @@ class LazySearch:
                 continue
             if not self._learn(walk):
                 return False
-            run.improve(self.annealing, self._share(2.0 * (time.perf_counter() - begun)))
+            self._anneal(self._share(2.0 * (time.perf_counter() - begun)))
         return False
 
     def _close(self, problem: Walks, prices: np.ndarray | None) -> tuple[Closing, Incumbent]:

@@ -24,6 +24,8 @@ HOT, COLD = 0.05, 1e-4
 """Temperatures of the annealing, as shares of the objective."""
 PRICES = (0.01, 0.03, 0.1)
 """Prices of one K, or mm, beyond a limit, as shares of the objective, in turn."""
+LOW_PRICES = (0.01, 0.005, 0.02)
+"""Those with which an annealing begins afresh."""
 
 
 class Run:
@@ -147,18 +149,21 @@ class Run:
             if next(pieces, self) is self:
                 return
 
-    def annealing(self, start: Ints, longest: int = LONGEST) -> Iterator[None]:
+    def annealing(self, start: Ints, longest: int = LONGEST, *, afresh: bool = False) -> Iterator[None]:
         """Anneal piece by piece, in ever longer runs, until four of the longest found nothing better.
 
-        A run begins with the best plan, or with ``start`` where there is none.
+        A run begins with the best plan, or with ``start`` where there is none. With ``afresh`` every other one
+        begins with ``start``, prices are low, and there is no end.
         """
+        prices = LOW_PRICES if afresh else PRICES
         rng, limits, idle, turn = np.random.default_rng(0), self.limits(), 0, 0
-        while idle < 4 and len(start) > 1:
-            path = start.copy() if self.best is None else points_of(self.plate, self.best)
+        while (afresh or idle < 4) and len(start) > 1:
+            anew = afresh and turn % 2 == 0
+            path = start.copy() if self.best is None or anew else points_of(self.plate, self.best)
             if not np.isfinite(travel_of(self.plate, path)):
                 return
             scale = min(MUCH, max(1e-3, self.internal(plan_of(self.plate, path))))
-            price = PRICES[turn % len(PRICES)] * (scale if self.by_travel else 1.0)
+            price = prices[turn % len(prices)] * (scale if self.by_travel else 1.0)
             length, before = min(longest, 2**turn), self.value
             heats = np.geomspace(HOT * scale, COLD * scale, length + 1)
             for hot, cold in pairwise(heats.tolist()):

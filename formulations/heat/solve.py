@@ -25,6 +25,8 @@ from cutgap.instances.progress import Watch, nobody
 
 NAME = "heat"
 
+CERTIFIED_PRECISION = 1e-4
+"""Relative distance of a result's bound and that of its certificate within which they are the same."""
 ANNEAL_SHARE, ANNEAL_SECONDS = 0.4, 60.0
 """How much of the time for a larger plate's peak goes to plans: a share, or seconds where there is no limit."""
 
@@ -49,8 +51,8 @@ def solve_heat(
     start
         A plan to start from; one that breaks rules is ignored.
     certify
-        Whether to add a verified certificate of the bound on travel without heat, which is at most the
-        result's.
+        Whether to add a verified certificate of the bound on travel without heat. Where it proves less than
+        the result's bound, the reason says what it proves.
     most_travel, backward_price
         A limit on travel besides the rules, mm, and the price of going back that counts in it.
 
@@ -75,7 +77,7 @@ def solve_heat(
     result = solving.result()
     if not certify or not run.by_travel or result.status is Status.INFEASIBLE:
         return result
-    return replace(result, certificate=_certificate(run, solving.plain))
+    return _with_certificate(result, run, _certificate(run, solving.plain))
 
 
 class _Solving:
@@ -144,6 +146,21 @@ class _Solving:
         if cap is None:
             return "no order keeps the rules"
         return f"every plan has a peak above the cap of {cap:g} deg C, as {self.how} shows"
+
+
+def _with_certificate(result: Result, run: Run, certificate: Certificate | None) -> Result:
+    """Return the result with a certificate, and a reason that says where it proves less than the bound."""
+    if certificate is None or result.lower_bound is None:
+        return replace(result, certificate=certificate)
+    proved = certificate["bound"] / certificate["scale"]
+    if run.rules.objective == "makespan":
+        proved /= run.instance.machine.v_jump
+    if proved >= result.lower_bound - CERTIFIED_PRECISION * max(1.0, result.lower_bound):
+        return replace(result, certificate=certificate)
+    text = f"the certificate proves {proved:.3f} {run.rules.unit}, the bound without heat"
+    return replace(
+        result, certificate=certificate, reason=f"{result.reason}; {text}" if result.reason else text
+    )
 
 
 def _certificate(run: Run, plain: ContourSearch | None) -> Certificate | None:

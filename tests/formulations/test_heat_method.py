@@ -278,6 +278,23 @@ def test_a_certificate_of_travel_holds_under_a_cap():
     free = solve_heat(instance, TRAVEL).value
     assert float(verified.bound) == pytest.approx(free, abs=1e-3)
     assert float(verified.bound) <= result.value
+    assert result.value > free + 1.0
+    assert f"proves {free:.3f} mm, the bound without heat" in result.reason
+
+
+def test_a_certificate_of_a_makespan_says_seconds():
+    instance = few_starts(5, 3, seed=4)
+    cap = solve_heat(instance, PEAK).value
+    free = solve_heat(instance, Rules(objective="makespan")).value
+    result = solve_heat(instance, Rules(objective="makespan", temperature_cap=cap), certify=True)
+    assert f"proves {free:.3f} s, the bound without heat" in result.reason
+
+
+def test_a_certificate_that_proves_the_bound_needs_no_words():
+    instance = few_starts(5, 3, seed=4)
+    result = solve_heat(instance, TRAVEL, certify=True)
+    assert result.certificate is not None
+    assert result.reason is None
 
 
 @pytest.mark.parametrize("seed", range(4))
