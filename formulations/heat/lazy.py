@@ -23,7 +23,7 @@ from cutgap.instances.arrays import Ints
 from cutgap.instances.progress import nobody
 
 ANNEAL_SECONDS = 60.0
-"""Longest first annealing; later ones take at most twice as long as the round before."""
+"""Longest first annealing; later ones take at most as long as the round before."""
 LONG = 8
 """Visits of a run beyond which it rules out little."""
 SHARE = 0.3
@@ -127,7 +127,7 @@ class LazySearch:
                 continue
             if not self._learn(walk):
                 return False
-            self._anneal(self._share(2.0 * (time.perf_counter() - begun)))
+            self._anneal(self._share(time.perf_counter() - begun))
         return False
 
     def _close(self, problem: Walks, prices: np.ndarray | None) -> tuple[Closing, Incumbent]:
