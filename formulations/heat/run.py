@@ -24,6 +24,8 @@ HOT, COLD = 0.05, 1e-4
 """Temperatures of the annealing, as shares of the objective."""
 PRICES = (0.01, 0.03, 0.1)
 """Prices of one K, or mm, beyond a limit, as shares of the objective, in turn."""
+STRICT = 300.0
+"""For the peak they are prices of this part of the travel allowed, not of one mm."""
 LOW_PRICES = (0.01, 0.005, 0.02)
 """Those with which an annealing begins afresh."""
 
@@ -58,7 +60,8 @@ class Run:
         self.most_travel = most_travel
         # A price goes with no rules for the peak, yet counts in its limit on travel.
         self.price = max(rules.backward_price, backward_price)
-        self.plate: Plate = plate_of(instance, replace(rules, objective="travel", backward_price=self.price))
+        priced = replace(rules, objective="travel", weight=0.0, backward_price=self.price)
+        self.plate: Plate = plate_of(instance, priced)
         self.best: Plan | None = None
         self.value: float | None = None
         self.bound: float | None = None
@@ -163,7 +166,9 @@ class Run:
             if not np.isfinite(travel_of(self.plate, path)):
                 return
             scale = min(MUCH, max(1e-3, self.internal(plan_of(self.plate, path))))
-            price = prices[turn % len(prices)] * (scale if self.by_travel else 1.0)
+            price = prices[turn % len(prices)] * scale
+            if not self.by_travel and np.isfinite(limits.travel):
+                price *= STRICT / max(1e-3, limits.travel)
             length, before = min(longest, 2**turn), self.value
             heats = np.geomspace(HOT * scale, COLD * scale, length + 1)
             for hot, cold in pairwise(heats.tolist()):

@@ -146,6 +146,17 @@ def test_branch_and_bound_alone(seed):
         assert_optimal(instance, PEAK, coolest)
 
 
+def test_larger_plates_too_get_cooler_within_a_limit_on_travel(monkeypatch):
+    instance = few_starts(8, 4, seed=2)
+    shortest = solve_heat(instance, TRAVEL)
+    limit = 1.2 * shortest.value
+    least = solve_heat(instance, PEAK, most_travel=limit).value
+    monkeypatch.setattr(method, "fits", lambda first: False)
+    found = solve_heat(instance, PEAK, most_travel=limit, start=shortest.plan, time_limit=5.0)
+    assert evaluate(instance, found.plan).total_travel_mm <= limit
+    assert found.lower_bound <= least <= found.value <= least + 0.1 * (peak(shortest) - least)
+
+
 def near(a, b):
     return a == pytest.approx(b, rel=1e-8, abs=1e-8)
 
@@ -190,6 +201,13 @@ def test_a_makespan_is_least_where_travel_is():
     fastest = solve_heat(instance, Rules(objective="makespan", temperature_cap=cap))
     work = float(instance.service_times.sum())
     assert fastest.value == pytest.approx(shortest.value / instance.machine.v_jump + work)
+
+
+def test_a_weight_of_imbalance_means_nothing_to_one_head():
+    instance = few_starts(4, 2, seed=1)
+    cap = solve_heat(instance, PEAK).value
+    shortest = solve_heat(instance, replace(TRAVEL, temperature_cap=cap))
+    assert_optimal(instance, Rules(objective="weighted", weight=3.0, temperature_cap=cap), shortest.value)
 
 
 def test_parts_in_one_go_and_a_price_of_going_back_are_kept():
