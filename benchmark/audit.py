@@ -31,7 +31,7 @@ import numpy as np
 
 from cutgap.benchmark.published import published_sizes, published_table
 from cutgap.benchmark.records import Record
-from cutgap.benchmark.tasks import Suite, Task, suite_tasks
+from cutgap.benchmark.tasks import Task, suite_tasks
 from cutgap.instances import Machine, Rules, Status
 from cutgap.instances.generate import generate
 
@@ -124,12 +124,11 @@ def audit_tasks(
             raise ValueError(f"sizes: {size} is named more than once")
     drawn = [generate("random", holes=size, seed=seed) for seed in range(parts) for size in chosen]
     rules = (*MAKESPAN_RULES, *(TRAVEL_RULES if travel else ()))
-    suites = [Suite("paper-audit", (instance,)) for instance in drawn]
     return [
         task
-        for suite in suites
+        for instance in drawn
         for each in rules
-        for task in suite_tasks(suite, each, ("split",), seeds=1, time_limit=time_limit)
+        for task in suite_tasks([(instance, each)], ("split",), seeds=1, time_limit=time_limit)
     ]
 
 

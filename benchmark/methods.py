@@ -34,6 +34,17 @@ def default_methods(instances: Sequence[Instance], rules: Rules) -> tuple[str, .
     return (AUTO, *heuristics)
 
 
+def suits(method: str, instance: Instance, rules: Rules) -> bool:
+    """Whether a method is meant for an instance and rules; of exact ones, whether it knows temperatures."""
+    if not is_exact(method):
+        return HEURISTICS[method].applies(instance, rules)
+    try:
+        resolve(method, instance, rules)
+    except ValueError:
+        return False
+    return True
+
+
 def is_exact(method: str) -> bool:
     """Whether the method proves bounds; such a method gives the same result for every seed."""
     return method == AUTO or method in METHODS
@@ -116,7 +127,8 @@ def warm_up(method: str, rules: Rules, instance: Instance) -> None:
     """
     kind = (
         method,
-        rules,
+        # Plates have caps of their own, which change nothing in what is compiled.
+        rules if rules.temperature_cap is None else replace(rules, temperature_cap=0.0),
         tuple(head.home is None for head in instance.heads),
         instance.machine.metric,
         any(len(contour.entry_points) > 1 for contour in instance.contours),

@@ -1,7 +1,8 @@
 """The gap table: how far the plans of each method are from a proved bound.
 
 The gap of a run is (value - lower_bound) / value, where the bound is the best one that any run proved for
-the same instance and rules. A plan that breaks a rule has its violation in the table and no gap.
+the same instance and rules; of a peak it is a share of the rise above ambient (``trade_off``). A plan that
+breaks a rule has its violation in the table and no gap.
 """
 
 import csv
@@ -13,13 +14,9 @@ from statistics import fmean, median
 
 from cutgap.benchmark.best_known import BestKnown
 from cutgap.benchmark.records import Record
-from cutgap.benchmark.wording import describe
+from cutgap.benchmark.trade_off import Against, ContradictionError, against, gap_to, slack, speaks_of_heat
+from cutgap.benchmark.wording import describe, question
 from cutgap.instances import Evaluation, Rules, Status
-from cutgap.instances.result import OPTIMALITY_TOLERANCE
-
-
-class ContradictionError(Exception):
-    """An allowed plan is better than a proved bound, or exists where none was proved to: a defect."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +45,8 @@ class TableRow:
         Why there is no allowed plan: a violation, or what the run says.
     published
         What others published about the instance under these rules.
+    travel, peak
+        Both figures against their bounds, where temperatures are asked for.
     """
 
     instance: str
@@ -66,6 +65,8 @@ class TableRow:
     seconds: float
     note: str
     published: BestKnown | None = None
+    travel: Against | None = None
+    peak: Against | None = None
 
     @property
     def evaluation(self) -> Evaluation | None:
@@ -85,14 +86,21 @@ class TableRow:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """One method over all instances: gaps of all allowed runs that have one, mean seconds of a run."""
+    """One method over all instances: gaps of all allowed runs that have one, mean seconds of a run.
 
+    ``question`` tells apart what is asked of it, where that is several things; ``travel_gap`` and ``peak_gap``
+    are means over the instances, where temperatures are asked for.
+    """
+
+    question: str
     method: str
     instances: int
     runs: int
     allowed: int
     gaps: tuple[float, ...]
     seconds: float
+    travel_gap: float | None = None
+    peak_gap: float | None = None
 
     @property
     def spread(self) -> tuple[float | None, float | None, float | None, float | None]:
@@ -118,7 +126,9 @@ def gap_table(records: Iterable[Record], published: Mapping[str, BestKnown] | No
         When a record contradicts a proved bound.
     """
     problems: dict[tuple[str, Rules], dict[str, list[Record]]] = defaultdict(lambda: defaultdict(list))
+    instances: dict[str, list[Record]] = defaultdict(list)
     for record in records:
+        instances[record.instance_hash].append(record)
         problems[record.instance_hash, record.result.rules][record.result.method].append(record)
     rows = []
     for methods in problems.values():
@@ -134,17 +144,22 @@ def gap_table(records: Iterable[Record], published: Mapping[str, BestKnown] | No
         rows += [
             replace(_table_row(group, bound, proved, certified), published=known) for group in methods.values()
         ]
+    if any(map(speaks_of_heat, instances.values())):
+        groups = [group for methods in problems.values() for group in methods.values()]
+        rows = [_both(row, group, instances) for row, group in zip(rows, groups, strict=True)]
     return rows
+
+
+def _both(row: TableRow, group: Sequence[Record], instances: Mapping[str, Sequence[Record]]) -> TableRow:
+    """Add both figures against their bounds."""
+    every = instances[row.best.instance_hash]
+    travel, peak = (against(every, group, row.best, figure) for figure in ("travel", "peak"))
+    return replace(row, travel=travel, peak=peak)
 
 
 def allowed_value(record: Record) -> float | None:
     """Return the value of a record's plan if the plan keeps the rules."""
     return None if record.result.violations else record.result.value
-
-
-def slack(value: float) -> float:
-    """Return how far a value may be from a bound that it meets."""
-    return OPTIMALITY_TOLERANCE * max(1.0, abs(value))
 
 
 def best_bound(records: Sequence[Record]) -> float | None:
@@ -185,15 +200,12 @@ def _table_row(group: Sequence[Record], bound: float | None, proved: bool, certi
         lower_bound=bound,
         proved=proved,
         certified=certified,
-        gaps=tuple(relative_gap(value, bound) for value, _ in values) if bound is not None else (),
+        gaps=tuple(gap_to(value, bound, each.result.zero) for value, each in values)
+        if bound is not None
+        else (),
         seconds=fmean(each.result.seconds for each in group),
         note="" if values else _why_not(shown),
     )
-
-
-def relative_gap(value: float, bound: float) -> float:
-    """Return (value - bound) / value; 0 when the value meets the bound."""
-    return 0.0 if value <= bound + slack(value) else (value - bound) / value
 
 
 def _why_not(record: Record) -> str:
@@ -204,41 +216,56 @@ def _why_not(record: Record) -> str:
 
 
 def summarise(rows: Sequence[TableRow]) -> list[Summary]:
-    """Return one summary a method, in the order in which they appear."""
-    methods: dict[str, list[TableRow]] = defaultdict(list)
+    """Return one summary for what is asked and each method, in the order in which they appear."""
+    methods: dict[tuple[str, str], list[TableRow]] = defaultdict(list)
     for row in rows:
-        methods[row.method].append(row)
+        methods[question(row.rules), row.method].append(row)
+    order = list(dict.fromkeys(asked for asked, _ in methods))
     return [
         Summary(
+            question=asked,
             method=method,
             instances=len(group),
             runs=sum(row.runs for row in group),
             allowed=sum(row.allowed for row in group),
             gaps=tuple(gap for row in group for gap in row.gaps),
             seconds=sum(row.seconds * row.runs for row in group) / sum(row.runs for row in group),
+            travel_gap=_mean_gap(row.travel for row in group),
+            peak_gap=_mean_gap(row.peak for row in group),
         )
-        for method, group in methods.items()
+        for (asked, method), group in sorted(methods.items(), key=lambda each: order.index(each[0][0]))
     ]
+
+
+def _mean_gap(figures: Iterable[Against | None]) -> float | None:
+    gaps = [each.mean_gap for each in figures if each is not None and each.mean_gap is not None]
+    return fmean(gaps) if gaps else None
 
 
 def table_csv(rows: Sequence[TableRow]) -> str:
     """Return the table as CSV text; an empty field is a figure that does not exist."""
     heads = max((row.best.heads for row in rows), default=2)
     published = any(row.published is not None for row in rows)
+    heat = any(row.peak is not None for row in rows)
     text = io.StringIO()
-    writer = csv.DictWriter(text, csv_columns(heads, published=published), lineterminator="\n")
+    writer = csv.DictWriter(text, csv_columns(heads, published=published, heat=heat), lineterminator="\n")
     writer.writeheader()
     writer.writerows(cells(row) for row in rows)
     return text.getvalue()
 
 
-def csv_columns(heads: int, *, published: bool = False) -> list[str]:
-    """Return the names of the CSV's columns for that many heads, with published figures or without."""
+def csv_columns(heads: int, *, published: bool = False, heat: bool = False) -> list[str]:
+    """Return the names of the CSV's columns for that many heads, with published figures and heat or without."""
     times = [f"time_{head + 1}_s" for head in range(heads)]
     figures = ["imbalance_s", "makespan_s", "partition_gap_mm", "unit", "value", "value_mean"]
     proof = ["lower_bound", "proven_optimum", "certified", "gap_percent", "gap_mean_percent", "seconds", "note"]
     run = ["part", "contours", "rules", "method", "runs", "allowed_runs", "travel_mm"]
-    return [*run, *times, *figures, *proof, *(["published_value", "published_bound"] if published else [])]
+    both = [
+        *("temperature_cap_c", "travel_lower_bound", "travel_gap_percent", "travel_gap_mean_percent"),
+        *("peak_c", "peak_lower_bound", "rise_gap_percent", "rise_gap_mean_percent"),
+    ]
+    others = ["published_value", "published_bound"] if published else []
+    return [*run, *times, *figures, *proof, *others, *(both if heat else [])]
 
 
 def cells(row: TableRow) -> dict[str, object]:
@@ -271,4 +298,19 @@ def cells(row: TableRow) -> dict[str, object]:
         }
     if row.published is not None:
         found |= {"published_value": row.published.value, "published_bound": row.published.lower_bound}
+    return found | _heat_cells(row)
+
+
+def _heat_cells(row: TableRow) -> dict[str, object]:
+    if row.travel is None or row.peak is None:
+        return {}
+    found: dict[str, object] = {"temperature_cap_c": row.rules.temperature_cap}
+    if row.evaluation is not None:
+        found["peak_c"] = row.evaluation.peak_temperature_c
+    for figure, share, each in (("travel", "travel", row.travel), ("peak", "rise", row.peak)):
+        found |= {
+            f"{figure}_lower_bound": each.lower_bound,
+            f"{share}_gap_percent": None if each.gap is None else 100 * each.gap,
+            f"{share}_gap_mean_percent": None if each.mean_gap is None else 100 * each.mean_gap,
+        }
     return found

@@ -2,14 +2,15 @@
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cache, cached_property, lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
 from cutgap.benchmark.best_known import BestKnown, best_known
-from cutgap.benchmark.methods import default_methods, is_exact, require_known
+from cutgap.benchmark.methods import default_methods, is_exact, require_known, suits
+from cutgap.benchmark.plate_caps import PLATE_RULES, PLATE_SUITES, further_rules
 from cutgap.instances import Instance, Rules
 from cutgap.instances.formats import READABLE_SUFFIXES, MachineOptions, read_instance
 from cutgap.instances.formats.json_format import format_instance
@@ -55,6 +56,10 @@ class Task:
         )
 
 
+Problem = tuple[Instance, Rules]
+"""What is cut, and what is asked of the plan."""
+
+
 @dataclass(frozen=True)
 class Suite:
     """Instances under one name.
@@ -67,12 +72,31 @@ class Suite:
         What is asked of plans unless something else is.
     published
         What is published about instances under these rules, by their names.
+    further
+        Other rules that are asked for besides, by names of instances.
     """
 
     name: str
     instances: tuple[Instance, ...]
     rules: Rules = field(default_factory=Rules)
     published: Mapping[str, BestKnown] = field(default_factory=dict)
+    further: Mapping[str, tuple[Rules, ...]] = field(default_factory=dict)
+
+    def problems(self, rules: Rules, change: Callable[[Rules], Rules] | None = None) -> list[Problem]:
+        """Return what is to be solved: ``rules`` on each instance, and with ``change`` what is asked besides.
+
+        Parameters
+        ----------
+        change
+            Changes what is asked for besides, as the suite's own rules were changed into ``rules``.
+        """
+        return [
+            (instance, asked)
+            for instance in self.instances
+            for asked in dict.fromkeys(
+                [rules, *map(change, self.further.get(instance.name, ()))] if change is not None else [rules]
+            )
+        ]
 
 
 FILE_SUITES: dict[str, str] = {"gtsp": ".gtsp", "pcgtsp": ".pcglns", "cutting-paths": ".txt", "nests": ".json"}
@@ -84,12 +108,12 @@ ONE_STROKE = Rules("travel", links=True, pierces=1)
 SUITE_RULES: dict[str, Rules] = {
     **dict.fromkeys(FILE_SUITES, Rules("travel")),
     **dict.fromkeys(("nests", "flame108"), ONE_STROKE),
-    **dict.fromkeys(("plate30", "plate30-dense", "small-plates"), Rules("travel", clear_rapids=True)),
+    **dict.fromkeys(PLATE_SUITES, PLATE_RULES),
     "nest28": Rules(
         "travel", parts_in_one_go=True, neighbours_only=True, clear_rapids=True, backward_price=0.1
     ),
 }
-"""What suites ask for by themselves; all others ask for the least makespan."""
+"""What suites ask for by themselves; all others ask for the least makespan. Plates are asked more than this."""
 
 
 def find_suite(name: str, options: MachineOptions) -> Suite:
@@ -110,7 +134,7 @@ def find_suite(name: str, options: MachineOptions) -> Suite:
     """
     if name in SUITES:
         instances = tuple(_overridden(instance, options) for instance in load_suite(name))
-        return Suite(name, instances, SUITE_RULES.get(name, Rules()))
+        return Suite(name, instances, SUITE_RULES.get(name, Rules()), further=further_rules(name))
     kind, colon, place = name.partition(":")
     if colon and kind in FILE_SUITES:
         reading = options
@@ -147,8 +171,7 @@ def _overridden(instance: Instance, options: MachineOptions) -> Instance:
 
 
 def suite_tasks(
-    suite: Suite,
-    rules: Rules,
+    problems: Sequence[Problem],
     methods: Sequence[str] | None,
     *,
     seeds: int,
@@ -156,7 +179,9 @@ def suite_tasks(
 ) -> list[Task]:
     """Return the tasks of a suite: exact methods once, heuristics with seeds 0 .. seeds - 1.
 
-    Without ``methods`` each instance gets those of ``default_methods``.
+    Without ``methods`` each problem gets those of ``default_methods``. Of several problems of an instance the
+    first gets all ``methods``, and a further one those that suit it; heuristics are not run again where only
+    the objective differs, since what they plan for one head does not depend on it.
 
     Raises
     ------
@@ -171,12 +196,21 @@ def suite_tasks(
         require_known(method)
         if methods is not None and methods.count(method) > 1:
             raise ValueError(f"methods: {method!r} is named more than once")
-    return [
-        Task(instance, rules, method, seed, time_limit)
-        for instance in suite.instances
-        for method in (default_methods((instance,), rules) if methods is None else methods)
-        for seed in range(1 if is_exact(method) else seeds)
-    ]
+    planned: dict[str, list[Rules]] = {}
+    tasks = []
+    for instance, rules in problems:
+        before = planned.setdefault(instance_hash(instance), [])
+        chosen = default_methods((instance,), rules) if methods is None else methods
+        if before:
+            again = any(rules.constraints == each.constraints for each in before)
+            chosen = [name for name in chosen if suits(name, instance, rules) and (is_exact(name) or not again)]
+        before.append(rules)
+        tasks += [
+            Task(instance, rules, method, seed, time_limit)
+            for method in chosen
+            for seed in range(1 if is_exact(method) else seeds)
+        ]
+    return tasks
 
 
 @cache

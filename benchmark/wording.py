@@ -1,6 +1,29 @@
 """Rules in words."""
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 from cutgap.instances import Rules
+
+
+def question(rules: Rules) -> str:
+    """Return what is minimised, and whether under a cap; instances may have caps of their own."""
+    return rules.objective if rules.temperature_cap is None else f"{rules.objective} under cap"
+
+
+def describe_all(asked: Iterable[Rules], heads: int = 2) -> str:
+    """Return different rules in words; those that differ in the cap alone are said once, with its range."""
+    groups: dict[tuple[str, Rules], set[float | None]] = {}
+    for rules in asked:
+        key = question(rules), replace(rules, temperature_cap=None)
+        groups.setdefault(key, set()).add(rules.temperature_cap)
+    texts = []
+    for (_, rules), found in groups.items():
+        caps = [cap for cap in found if cap is not None]
+        many = len(caps) > 1
+        text = describe(rules if many or not caps else replace(rules, temperature_cap=caps[0]), heads)
+        texts.append(f"{text}, cap of {min(caps):g} to {max(caps):g} deg C" if many else text)
+    return "; ".join(texts)
 
 
 def describe(rules: Rules, heads: int = 2) -> str:

@@ -78,7 +78,13 @@ PRICED = AntColonyParameters(dropped_price_mm=20_000.0)
 COOL = DualCodedParameters(mu=0.6)
 IMPROVED = DualCodedParameters(mu=None)
 PLAIN = DualCodedParameters(mu=None, conventional=True)
-"""The other rows of the table of Yang, Liu, Ju (2012)."""
+GENETIC: dict[str, DualCodedParameters] = {
+    "dual-coded-ga": DualCodedParameters(),
+    "dual-coded-ga-cool": COOL,
+    "dual-coded-ga-travel": IMPROVED,
+    "plain-ga": PLAIN,
+}
+"""The rows of the table of Yang, Liu, Ju (2012)."""
 
 HEURISTICS: dict[str, Heuristic] = {
     "task-balancing": Heuristic(task_balancing, has_two_sides),
@@ -90,14 +96,15 @@ HEURISTICS: dict[str, Heuristic] = {
     "priced-ant-colony": Heuristic(partial(ant_colony, parameters=PRICED), on_curves),
     "euler-bridging": Heuristic(euler_bridging, has_links),
     "link-search": Heuristic(link_search, has_links),
-    "dual-coded-ga": Heuristic(dual_coded, has_hot_route),
-    "dual-coded-ga-cool": Heuristic(partial(dual_coded, parameters=COOL), has_hot_route),
-    "dual-coded-ga-travel": Heuristic(partial(dual_coded, parameters=IMPROVED), has_hot_route),
-    "plain-ga": Heuristic(partial(dual_coded, parameters=PLAIN), has_hot_route),
+    **{
+        name: Heuristic(partial(dual_coded, parameters=parameters), has_hot_route)
+        for name, parameters in GENETIC.items()
+    },
 }
 
 __all__ = [
     "COOL",
+    "GENETIC",
     "HEURISTICS",
     "IMPROVED",
     "PLAIN",

@@ -79,7 +79,7 @@ def front_of_population(
 ) -> list[Plan]:
     """Return the plans of a run of ``dual_coded`` that no other beats in travel and peak, by rising travel.
 
-    They cross nothing that is cut, if rapids must be clear; the temperature cap does not bind them.
+    They keep the rules, so there are none where no individual kept a temperature cap.
     """
     require_dual_coded(instance, rules)
     if not instance.contours:
@@ -192,9 +192,9 @@ class Population:
         if self.improved:
             self.score, self.answer = score, plan_of_route(self.orders[best], self.starts[best])
             self.figures = (float(travels[best]), float(rises[best]))
-        clear = barred == 0
+        kept = (barred == 0) & (excess == 0.0)
         self.front = merged_front(
-            self.front, (travels[clear], rises[clear], self.orders[clear], self.starts[clear])
+            self.front, (travels[kept], rises[kept], self.orders[kept], self.starts[kept])
         )
 
     def value(self) -> float | None:

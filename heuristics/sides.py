@@ -93,11 +93,13 @@ def has_tours(instance: Instance, rules: Rules) -> bool:
 
 
 def has_one_head(instance: Instance, rules: Rules) -> bool:
-    """Whether one head is to choose order and entry points, with the curves that the rules need.
+    """Whether one head is to choose order and entry points, heat aside, with the curves that the rules need.
 
     Where links are allowed a tour without them is still a plan, unless the pierces are limited.
     """
-    if len(instance.heads) != 1 or not instance.contours or rules.via_points or rules.pierces is not None:
+    if len(instance.heads) != 1 or not instance.contours or rules.via_points:
+        return False
+    if rules.speaks_of_heat or rules.pierces is not None:
         return False
     try:
         require_coordinates(instance, rules)

@@ -1,5 +1,6 @@
 """The outcome of one run, which cannot lie: values come from ``evaluate``, bounds are proved or ``None``."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -43,6 +44,8 @@ class Result:
         Why the problem is infeasible, or why the run stopped early.
     certificate
         A verified proof of the bound, or of infeasibility; ``None`` when it is the solver's claim alone.
+    ambient_c
+        Ambient temperature, from which the gap of a peak counts, deg C; ``None`` without a material.
     """
 
     status: Status
@@ -57,13 +60,26 @@ class Result:
     seed: int | None = None
     reason: str | None = None
     certificate: dict[str, Any] | None = None
+    ambient_c: float | None = None
 
     @property
     def gap(self) -> float | None:
-        """(value - lower_bound) / value, for an allowed plan and a proved bound."""
+        """(value - lower_bound) / value for an allowed plan and a proved bound; of a peak, of its rise."""
         if self.value is None or self.lower_bound is None or self.violations:
             return None
-        return 0.0 if self.value == 0 else max(0.0, (self.value - self.lower_bound) / self.value)
+        return max(0.0, relative_gap(self.value, self.lower_bound, self.zero))
+
+    @property
+    def zero(self) -> float:
+        """The value of which gaps are shares: the ambient temperature for a peak, else 0."""
+        return (self.ambient_c or 0.0) if self.rules.objective == "peak" else 0.0
+
+
+def relative_gap(value: float, bound: float, zero: float = 0.0) -> float:
+    """Return (value - bound) / (value - zero); 0 for a value of ``zero``, 1 for an infinite one."""
+    if value == zero:
+        return 0.0
+    return 1.0 if math.isinf(value) else (value - bound) / (value - zero)
 
 
 def conclude(
@@ -94,7 +110,7 @@ def conclude(
         return Result(status, rules, method, seconds, lower_bound=bound, seed=seed, reason=reason)
     evaluation = evaluate(instance, plan)
     violations = tuple(check(instance, rules, plan))
-    value = evaluation.objective(rules)
+    value, material = evaluation.objective(rules), instance.material
     status = Status.UNKNOWN if violations else Status.FEASIBLE
     if infeasible and not violations:
         raise ValueError(f"{method}: claims that no plan exists, yet one was found with value {value}")
@@ -105,5 +121,16 @@ def conclude(
         if lower_bound >= value - slack:
             status = Status.OPTIMAL
     return Result(
-        status, rules, method, seconds, plan, evaluation, violations, value, lower_bound, seed, reason
+        status,
+        rules,
+        method,
+        seconds,
+        plan,
+        evaluation,
+        violations,
+        value,
+        lower_bound,
+        seed,
+        reason,
+        ambient_c=None if material is None else material.ambient_c,
     )

@@ -1,6 +1,6 @@
 """What is asked of a plan: the objective and the constraints beyond "each contour once"."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from cutgap.instances.arrays import finite_number
@@ -110,6 +110,11 @@ class Rules:
             "backward price": self.backward_price > 0,
         }
         return tuple(name for name, is_asked in asked.items() if is_asked)
+
+    @property
+    def constraints(self) -> "Rules":
+        """The same constraints for least travel, whatever these rules minimise."""
+        return replace(self, objective="travel", weight=0.0, backward_price=0.0)
 
     @property
     def unit(self) -> str:

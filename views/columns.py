@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from cutgap.benchmark.table import Summary, TableRow
+from cutgap.benchmark.trade_off import Against
+from cutgap.benchmark.wording import question
 from cutgap.instances import Evaluation
 
 NOTHING = "-"
@@ -32,6 +34,10 @@ def percent(share: float | None) -> str:
 
 def bound(row: TableRow) -> str:
     """Return the bound: ``= optimum``, or ``≥ bound`` when no plan meets it; ``claimed`` without a proof."""
+    return _bound(row)
+
+
+def _bound(row: TableRow | Against) -> str:
     if row.lower_bound is None:
         return NOTHING
     claimed = "" if row.certified else " claimed"
@@ -93,23 +99,75 @@ PARTITION_GAP = _figure(
 )
 
 
+def several(rows: Sequence[TableRow]) -> bool:
+    """Whether several things are asked for."""
+    return len({question(row.rules) for row in rows}) > 1
+
+
+def row_name(row: TableRow, rows: Sequence[TableRow]) -> str:
+    """Return the method, and where several things are asked for also which."""
+    return f"{row.method} ({question(row.rules)})" if several(rows) else row.method
+
+
+PART = Column("part", "Name of the instance.", lambda row: row.instance, numeric=False)
+SIZE = Column("N", "Number of contours.", lambda row: str(row.contours))
+ASKED = Column(
+    "asked", "What is minimised, and whether under a cap.", lambda row: question(row.rules), numeric=False
+)
+CAP = Column("cap [C]", "Temperature cap, deg C.", lambda row: number(row.rules.temperature_cap, 1))
+METHOD = Column("method", "What planned the tours.", lambda row: row.method, numeric=False)
+RUNS = Column(
+    "runs",
+    "Number of runs with different seeds; a/b: only a of b plans keep the rules. "
+    "The figures are those of the best allowed run.",
+    lambda row: runs(row.allowed, row.runs),
+)
+TRAVEL = _figure("travel [mm]", "Length of all rapids of all heads.", 1, lambda e: e.total_travel_mm)
+PEAK = _figure("peak [C]", "Highest temperature of a start point, deg C.", 1, lambda e: e.peak_temperature_c)
+SECONDS = Column(
+    "time [s]",
+    "Mean wall time of a run, loading and compiling not counted; it depends on the machine.",
+    lambda row: seconds(row.seconds),
+)
+
+
+def _against(
+    get: Callable[[TableRow], Against | None], figure: str, share: str, definition: str
+) -> list[Column]:
+    """Return bound, gap and mean gap of one of two figures."""
+
+    def cell(show: Callable[[Against], str]) -> Callable[[TableRow], str]:
+        return lambda row: NOTHING if (found := get(row)) is None else show(found)
+
+    return [
+        Column(
+            f"{figure} bound",
+            f"=: the least {figure} under the rules; ≥: a lower bound that no plan meets yet. It holds for the "
+            "plans of all methods. claimed: by the solver, without a certificate.",
+            cell(_bound),
+        ),
+        Column(f"{share} gap [%]", f"{definition}, of the run that is shown.", cell(lambda a: percent(a.gap))),
+        Column(f"mean {share} gap [%]", "Mean of all allowed runs.", cell(lambda a: percent(a.mean_gap))),
+    ]
+
+
 def columns(rows: Sequence[TableRow]) -> list[Column]:
-    """Return the columns for rows: some only where there are several heads, combined or published values."""
+    """Return the columns for rows: some only where there are several heads, combined or published values.
+
+    Where temperatures are asked for, both figures stand beside their bounds.
+    """
+    if any(row.peak is not None for row in rows):
+        return heat_columns(rows)
     heads = max((row.best.heads for row in rows), default=2)
     is_published = any(row.published is not None for row in rows)
     # Where the objective is no figure of its own in the table, it gets a column.
     combined = any(row.rules.objective == "weighted" or row.rules.backward_price > 0 for row in rows)
     return [
-        Column("part", "Name of the instance.", lambda row: row.instance, numeric=False),
-        Column("N", "Number of contours.", lambda row: str(row.contours)),
-        Column("method", "What planned the tours.", lambda row: row.method, numeric=False),
-        Column(
-            "runs",
-            "Number of runs with different seeds; a/b: only a of b plans keep the rules. "
-            "The figures are those of the best allowed run.",
-            lambda row: runs(row.allowed, row.runs),
-        ),
-        _figure("travel [mm]", "Length of all rapids of all heads.", 1, lambda e: e.total_travel_mm),
+        PART,
+        SIZE,
+        METHOD,
+        RUNS,
+        TRAVEL,
         *([VALUE] if combined else []),
         *([_head_time(head) for head in range(heads)] if heads > 1 else []),
         *([IMBALANCE] if heads > 1 else []),
@@ -128,32 +186,63 @@ def columns(rows: Sequence[TableRow]) -> list[Column]:
             lambda row: percent(row.gap),
         ),
         Column("mean gap [%]", "Mean gap of all allowed runs.", lambda row: percent(row.mean_gap)),
-        Column(
-            "time [s]",
-            "Mean wall time of a run, loading and compiling not counted; it depends on the machine.",
-            lambda row: seconds(row.seconds),
-        ),
+        SECONDS,
     ]
 
 
-SUMMARY_HEADINGS = (
-    "method",
-    "parts",
-    "runs",
-    "least gap [%]",
-    "mean gap [%]",
-    "median gap [%]",
-    "largest gap [%]",
-    "time [s]",
-)
-
-
-def summary_cells(summary: Summary) -> list[str]:
-    """Return the cells of one method's summary, in the order of ``SUMMARY_HEADINGS``."""
+def heat_columns(rows: Sequence[TableRow]) -> list[Column]:
+    """Return the columns where temperatures are asked for."""
+    capped = any(row.rules.temperature_cap is not None for row in rows)
     return [
-        summary.method,
-        str(summary.instances),
-        runs(summary.allowed, summary.runs),
-        *[percent(share) for share in summary.spread],
-        seconds(summary.seconds),
+        PART,
+        SIZE,
+        *([ASKED] if several(rows) else []),
+        *([CAP] if capped else []),
+        METHOD,
+        RUNS,
+        TRAVEL,
+        *_against(lambda row: row.travel, "travel", "travel", "(travel - bound) / travel"),
+        PEAK,
+        *_against(lambda row: row.peak, "peak", "rise", "(peak - bound) / (peak - ambient)"),
+        SECONDS,
     ]
+
+
+def summary_headings(summaries: Sequence[Summary]) -> list[str]:
+    """Return the headings of a summary of methods."""
+    return [
+        *(["asked"] if _questions(summaries) > 1 else []),
+        *("method", "parts", "runs", "least gap [%]", "mean gap [%]", "median gap [%]", "largest gap [%]"),
+        *(["mean travel gap [%]", "mean rise gap [%]"] if _has_two_figures(summaries) else []),
+        "time [s]",
+    ]
+
+
+def summary_rows(summaries: Sequence[Summary]) -> list[list[str]]:
+    """Return the cells of each summary, in the order of ``summary_headings``."""
+    asked, both = _questions(summaries) > 1, _has_two_figures(summaries)
+    return [
+        [
+            *([each.question] if asked else []),
+            each.method,
+            str(each.instances),
+            runs(each.allowed, each.runs),
+            *[percent(share) for share in each.spread],
+            *([percent(each.travel_gap), percent(each.peak_gap)] if both else []),
+            seconds(each.seconds),
+        ]
+        for each in summaries
+    ]
+
+
+def summary_name(summary: Summary, summaries: Sequence[Summary]) -> str:
+    """Return the method of a summary, and where several things are asked for also which."""
+    return f"{summary.method} ({summary.question})" if _questions(summaries) > 1 else summary.method
+
+
+def _questions(summaries: Sequence[Summary]) -> int:
+    return len({each.question for each in summaries})
+
+
+def _has_two_figures(summaries: Sequence[Summary]) -> bool:
+    return any(each.travel_gap is not None or each.peak_gap is not None for each in summaries)

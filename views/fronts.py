@@ -124,6 +124,7 @@ def _print(instance: Instance, rows: list[dict[str, object]]) -> None:
 
 
 def _draw(instance: Instance, results: list[Result], path: Path) -> None:
-    from cutgap.views.plots import front_figure, save
+    from cutgap.views.charts import front_figure
+    from cutgap.views.plots import save
 
     save(front_figure(instance.name, results), path)

@@ -11,8 +11,9 @@ from cyclopts import App, Parameter
 from cutgap.benchmark.folder import REPORT_NAME, TABLE_NAME, Folder, open_folder
 from cutgap.benchmark.methods import default_methods
 from cutgap.benchmark.runner import Failure
-from cutgap.benchmark.table import ContradictionError, cells, gap_table, table_csv
+from cutgap.benchmark.table import cells, gap_table, table_csv
 from cutgap.benchmark.tasks import Suite, Task, find_suite, instance_hash, suite_tasks
+from cutgap.benchmark.trade_off import ContradictionError
 from cutgap.instances.formats import write_atomically
 from cutgap.views.options import (
     DEFAULT_RULES,
@@ -75,13 +76,15 @@ def gaps(
     found = find_suite(suite, machine.options())
     asked = rules.rules(found.rules)
     named = None if methods is None else tuple(name.strip() for name in methods.split(","))
-    tasks = suite_tasks(found, asked, named, seeds=seeds, time_limit=time_limit)
+    problems = found.problems(asked, None if rules.asks_one_thing else rules.rules)
+    tasks = suite_tasks(problems, named, seeds=seeds, time_limit=time_limit)
     folder = open_folder(out if out is not None else RESULTS / found.name, resume=resume)
     say_what_is_there(folder, tasks)
     failures, stopped = run_all(tasks, folder, jobs, dask)
     chosen = default_methods(found.instances, asked) if named is None else named
     heads = max(len(instance.heads) for instance in found.instances)
-    run = Run(found.name, asked, chosen, seeds, time_limit, len(tasks), heads)
+    every = tuple(dict.fromkeys([asked, *(each for _, each in problems)]))
+    run = Run(found.name, every, chosen, seeds, time_limit, len(tasks), heads)
     for failure in failures:
         print(f"cutgap: failed: {failure}", file=sys.stderr)
     try:
@@ -99,7 +102,7 @@ def _publish(
 ) -> None:
     """Print the table of this command's runs, and write table and report."""
     records = folder.among(task.key for task in tasks)
-    rows = gap_table(records, suite.published if run.rules == suite.rules else {})
+    rows = gap_table(records, suite.published if run.rules == (suite.rules,) else {})
     instances = {instance_hash(instance): instance for instance in suite.instances}
     write_atomically(folder.path / TABLE_NAME, table_csv(rows))
     write_atomically(folder.path / REPORT_NAME, report_html(run, records, rows, instances, failures))

@@ -66,6 +66,11 @@ class RuleOptions:
     pierces: int | None = None
     """Most pierces, with --links."""
 
+    @property
+    def asks_one_thing(self) -> bool:
+        """Whether what is minimised, or a cap, is named: then a suite asks for nothing besides."""
+        return bool(self.objective or self.backward_price) or self.temperature_cap is not None
+
     def rules(self, base: Rules = DEFAULTS) -> Rules:
         """Return ``base`` with what is given put in its place.
 

@@ -30,4 +30,4 @@ def html_table(headings: Sequence[str], groups: Sequence[Sequence[Sequence[str]]
 
 def text_class(heading: str) -> str:
     """Return the class of columns that hold words; figures need none."""
-    return ' class="text"' if heading in ("part", "method") else ""
+    return ' class="text"' if heading in ("part", "asked", "method") else ""

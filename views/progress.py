@@ -12,8 +12,8 @@ from rich.text import Text
 
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.runner import Failure
-from cutgap.benchmark.table import relative_gap
 from cutgap.benchmark.tasks import Task
+from cutgap.benchmark.trade_off import gap_to
 from cutgap.instances.progress import Progress, Watch, nobody
 
 REFRESH_PER_SECOND = 8
@@ -26,8 +26,9 @@ def state_line(value: float | None, lower_bound: float | None, unit: str) -> str
         parts.append(f"incumbent {value:.2f} {unit}")
     if lower_bound is not None:
         parts.append(f"bound {lower_bound:.2f} {unit}")
-    if value is not None and lower_bound is not None:
-        parts.append(f"gap {100 * relative_gap(value, lower_bound):.3f} %")
+    # Of deg C it would be a share of where the scale begins.
+    if value is not None and lower_bound is not None and unit != "deg C":
+        parts.append(f"gap {100 * gap_to(value, lower_bound):.3f} %")
     return ", ".join(parts)
 
 

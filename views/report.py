@@ -10,11 +10,22 @@ from cutgap.benchmark.methods import is_exact
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.runner import Failure
 from cutgap.benchmark.table import Summary, TableRow, summarise
-from cutgap.benchmark.wording import describe
+from cutgap.benchmark.wording import describe_all
 from cutgap.instances import Instance, Rules
-from cutgap.views.columns import SUMMARY_HEADINGS, Column, columns, percent, seconds, summary_cells
+from cutgap.views.charts import gap_figure
+from cutgap.views.columns import (
+    Column,
+    columns,
+    percent,
+    row_name,
+    seconds,
+    several,
+    summary_headings,
+    summary_name,
+    summary_rows,
+)
 from cutgap.views.pages import definition, html_table, text_class, view_text
-from cutgap.views.plots import gap_figure, plan_figure
+from cutgap.views.plots import plan_figure
 from cutgap.views.svg import inline_svg, page_style
 
 DRAWN_PARTS = 12
@@ -23,10 +34,10 @@ DRAWN_PARTS = 12
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What was run: suite, rules, methods, seeds, limit in s, number of runs planned, most heads of a part."""
+    """What was run: suite, rules, methods, seeds, limit in s, runs planned, most heads of a part."""
 
     suite: str
-    rules: Rules
+    rules: tuple[Rules, ...]
     methods: tuple[str, ...]
     seeds: int
     time_limit: float | None
@@ -60,10 +71,10 @@ def report_html(
     return template.substitute(
         style=view_text("page.css"),
         title=escape(f"Optimality gaps: {run.suite}"),
-        lead=escape(f"{len(instances)} parts; asked for: {describe(run.rules, run.heads)}."),
+        lead=escape(f"{len(instances)} parts; asked for: {describe_all(run.rules, run.heads)}."),
         warnings=_warnings(run, records, failures),
         cards=_cards(run, records, rows, summaries),
-        summary_table=html_table(SUMMARY_HEADINGS, [[summary_cells(each) for each in summaries]]),
+        summary_table=html_table(summary_headings(summaries), [summary_rows(summaries)]),
         gap_plot=_gap_plot(summaries),
         table=_part_table(shown, rows),
         plans=_plans(rows, instances),
@@ -80,20 +91,24 @@ def _warnings(run: Run, records: Sequence[Record], failures: Sequence[Failure]) 
 
 
 def _cards(run: Run, records: Sequence[Record], rows: Sequence[TableRow], summaries: Sequence[Summary]) -> str:
-    parts = {row.best.instance_hash for row in rows}
-    proved = {row.best.instance_hash for row in rows if row.proved}
+    parts = {(row.best.instance_hash, row.rules) for row in rows}
+    proved = {(row.best.instance_hash, row.rules) for row in rows if row.proved}
     plans = [record for record in records if record.result.plan is not None]
     broken = sum(bool(record.result.violations) for record in plans)
-    cards = [(f"{len(proved)} of {len(parts)}", "parts with a proven optimum")]
+    cards = [
+        (f"{len(proved)} of {len(parts)}", f"{'problems' if several(rows) else 'parts'} with a proven optimum")
+    ]
     heuristics = [
         (mean, each) for each in summaries if not is_exact(each.method) and (mean := each.spread[1]) is not None
     ]
     if heuristics:
         mean, best = min(heuristics, key=lambda pair: pair[0])
-        cards.append((f"{percent(mean)} %", f"mean gap of {best.method}, the least of the heuristics"))
+        name = summary_name(best, summaries)
+        cards.append((f"{percent(mean)} %", f"mean gap of {name}, the least of the heuristics"))
         mean, worst = max(heuristics, key=lambda pair: pair[0])
         if worst is not best:
-            cards.append((f"{percent(mean)} %", f"mean gap of {worst.method}, the largest"))
+            name = summary_name(worst, summaries)
+            cards.append((f"{percent(mean)} %", f"mean gap of {name}, the largest"))
     cards.append((str(len(plans)), f"plans checked, of which {broken} break a rule"))
     total = sum(record.result.seconds for record in records)
     cards.append((f"{seconds(total)} s", f"in {len(records)} of {run.planned} runs"))
@@ -121,7 +136,7 @@ def _gap_plot(summaries: Sequence[Summary]) -> str:
     if not any(summary.gaps for summary in summaries):
         return "<p>No gap is known: no method proved a bound.</p>"
     with page_style("gaps"):
-        figure = gap_figure([(summary.method, summary.gaps) for summary in summaries])
+        figure = gap_figure([(summary_name(each, summaries), each.gaps) for each in summaries])
         svg = inline_svg(figure, "gap of each run, by method")
     caption = "A dot for each run with an allowed plan; box: quartiles and median; whiskers: 1.5 box lengths."
     return f"<figure>{svg}<figcaption>{caption}</figcaption></figure>"
@@ -141,21 +156,23 @@ def _part_plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> 
     drawn = [row for row in rows if row.best.result.plan is not None] if instance.located else []
     if not drawn:
         return f"<p>{escape(instance.name)}: no plan to draw.</p>"
-    first = min(drawn, key=lambda row: (row.value is None, row.value or 0.0))
-    others = [_plan_figure(row, instance) for row in drawn if row is not first]
+    # Values of different questions do not compare: the best of what is asked first is shown.
+    asked = drawn[0].rules
+    first = min(drawn, key=lambda row: (row.rules != asked, row.value is None, row.value or 0.0))
+    others = [_plan_figure(row, instance, rows) for row in drawn if row is not first]
     rest = ""
     if others:
-        names = ", ".join(row.method for row in drawn if row is not first)
+        names = ", ".join(row_name(row, rows) for row in drawn if row is not first)
         rest = (
             f"<details><summary>{escape(instance.name)}: {escape(names)}</summary>"
             f'<div class="plans">{"".join(others)}</div></details>'
         )
-    return _plan_figure(first, instance) + rest
+    return _plan_figure(first, instance, rows) + rest
 
 
-def _plan_figure(row: TableRow, instance: Instance) -> str:
+def _plan_figure(row: TableRow, instance: Instance, rows: Sequence[TableRow]) -> str:
     result = row.best.result
-    name = f"{row.instance}, {row.method}"
+    name = f"{row.instance}, {row_name(row, rows)}"
     with page_style(row.best.key):
         figure = plan_figure(instance, result.plan, via_points=result.rules.via_points, title=name)
         svg = inline_svg(figure, f"plan of {escape(name)}")
@@ -182,7 +199,7 @@ def _provenance(run: Run, records: Sequence[Record], rows: Sequence[TableRow]) -
     sources = sorted({source for row in rows if row.published is not None for source in row.published.sources})
     return [
         ("Suite", run.suite),
-        ("Rules", describe(run.rules, run.heads)),
+        ("Rules", describe_all(run.rules, run.heads)),
         ("Methods", ", ".join(run.methods)),
         ("Seeds", f"0 to {run.seeds - 1} for each heuristic; exact methods do not depend on the seed"),
         ("Time limit", limit),

@@ -8,8 +8,8 @@ from rich.table import Table
 from rich.text import Text
 
 from cutgap.benchmark.table import TableRow, summarise
-from cutgap.benchmark.wording import describe
-from cutgap.views.columns import SUMMARY_HEADINGS, columns, summary_cells
+from cutgap.benchmark.wording import describe_all
+from cutgap.views.columns import columns, summary_headings, summary_rows
 
 PLAIN_WIDTH = 200
 """Width of tables that go to a file or pipe."""
@@ -23,12 +23,14 @@ def output() -> Console:
 def print_gaps(rows: Sequence[TableRow]) -> None:
     """Print the gap table, the plans that break rules, and a summary of the methods."""
     console = output()
-    for rules in dict.fromkeys(row.rules for row in rows):
-        chosen = [row for row in rows if row.rules == rules]
-        heads = max(row.best.heads for row in chosen)
-        console.print(_gap_table(chosen, f"{describe(rules, heads)} [{rules.unit}]"))
-        _print_notes(console, chosen)
-        console.print(_summary_table(chosen))
+    if not rows:
+        return
+    asked = dict.fromkeys(row.rules for row in rows)
+    heads = max(row.best.heads for row in rows)
+    units = ", ".join(dict.fromkeys(rules.unit for rules in asked))
+    console.print(_gap_table(rows, f"{describe_all(asked, heads)} [{units}]"))
+    _print_notes(console, rows)
+    console.print(_summary_table(rows))
 
 
 def _gap_table(rows: Sequence[TableRow], title: str) -> Table:
@@ -53,8 +55,9 @@ def _print_notes(console: Console, rows: Sequence[TableRow]) -> None:
 
 def _summary_table(rows: Sequence[TableRow]) -> Table:
     table = Table(title=Text("methods over all parts"), title_justify="left")
-    for heading in SUMMARY_HEADINGS:
-        table.add_column(Text(heading), justify="left" if heading == "method" else "right")
-    for summary in summarise(rows):
-        table.add_row(*[Text(cell) for cell in summary_cells(summary)])
+    summaries = summarise(rows)
+    for heading in summary_headings(summaries):
+        table.add_column(Text(heading), justify="left" if heading in ("asked", "method") else "right")
+    for line in summary_rows(summaries):
+        table.add_row(*[Text(cell) for cell in line])
     return table

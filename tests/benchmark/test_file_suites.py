@@ -169,7 +169,7 @@ def test_published_values_stand_in_table_csv_and_report(folder, tmp_path, capsys
 def test_each_instance_gets_the_heuristics_that_apply_to_it(folder, one_head):
     suite = find_suite(f"pcgtsp:{folder}", MachineOptions())
     for_one = ["entry-search", "ant-colony", "in-order"]
-    assert [task.method for task in suite_tasks(suite, suite.rules, None, seeds=1)] == [AUTO, *for_one]
+    assert [task.method for task in suite_tasks(suite.problems(suite.rules), None, seeds=1)] == [AUTO, *for_one]
     assert default_methods(suite.instances, suite.rules) == (AUTO, *for_one)
     two_heads = find_suite("small", MachineOptions()).instances[:1]
     for_two = ["task-balancing", "k-means", "fuzzy-c-means", "local-search"]

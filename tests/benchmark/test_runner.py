@@ -14,7 +14,7 @@ from cutgap.benchmark.executors import SerialExecutor, dask_executor, process_ex
 from cutgap.benchmark.methods import is_exact
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.runner import Failure, run_tasks
-from cutgap.benchmark.tasks import Suite, Task, suite_tasks
+from cutgap.benchmark.tasks import Task, suite_tasks
 from cutgap.heuristics import HEURISTICS
 from cutgap.instances import Rules
 
@@ -31,7 +31,7 @@ METHODS = (
 def tasks():
     rng = np.random.default_rng(21)
     instances = tuple(random_instance(rng, holes, layout="uniform") for holes in (5, 6))
-    return suite_tasks(Suite("tiny", instances), Rules(), METHODS, seeds=2)
+    return suite_tasks([(each, Rules()) for each in instances], METHODS, seeds=2)
 
 
 @pytest.fixture(scope="module")

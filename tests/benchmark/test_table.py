@@ -10,8 +10,9 @@ import pytest
 from oracles.random_instances import random_instance
 
 from cutgap.benchmark.records import make_record
-from cutgap.benchmark.table import ContradictionError, csv_columns, gap_table, summarise, table_csv
+from cutgap.benchmark.table import csv_columns, gap_table, summarise, table_csv
 from cutgap.benchmark.tasks import Task
+from cutgap.benchmark.trade_off import ContradictionError
 from cutgap.instances import Plan, Rules, Status, conclude
 
 HOLES = 6

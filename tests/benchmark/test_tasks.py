@@ -7,7 +7,7 @@ import pytest
 from oracles.random_instances import random_instance
 
 from cutgap.benchmark.methods import known_methods, run
-from cutgap.benchmark.tasks import Suite, Task, find_suite, suite_tasks
+from cutgap.benchmark.tasks import Task, find_suite, suite_tasks
 from cutgap.instances import Contour, Rules
 from cutgap.instances.formats import MachineOptions, write_instance
 from cutgap.instances.suites import SUITES, load_suite
@@ -46,7 +46,7 @@ def test_an_unknown_method_is_refused_with_the_known_ones(instance):
 
 
 def test_exact_methods_run_once_and_heuristics_once_a_seed(instance):
-    tasks = suite_tasks(Suite("one", (instance,)), Rules(), ("split", "k-means"), seeds=3)
+    tasks = suite_tasks([(instance, Rules())], ("split", "k-means"), seeds=3)
     assert [(task.method, task.seed) for task in tasks] == [
         ("split", 0),
         ("k-means", 0),
@@ -61,7 +61,7 @@ def test_exact_methods_run_once_and_heuristics_once_a_seed(instance):
 )
 def test_bad_tasks_are_refused(instance, methods, seeds, message):
     with pytest.raises(ValueError, match=message):
-        suite_tasks(Suite("one", (instance,)), Rules(), methods, seeds=seeds)
+        suite_tasks([(instance, Rules())], methods, seeds=seeds)
 
 
 def test_a_suite_is_a_name_a_file_or_a_folder(tmp_path, instance):

@@ -10,7 +10,8 @@ from oracles.random_instances import random_instance
 
 from cutgap.instances import Contour, Head, Instance, Plan, Visit
 from cutgap.instances.region import Ellipsoid
-from cutgap.views.plots import HEAD_COLOURS, MOST_NUMBERED, gap_figure, plan_figure
+from cutgap.views.charts import gap_figure
+from cutgap.views.plots import HEAD_COLOURS, MOST_NUMBERED, plan_figure
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from rich.console import Console
 
 from cutgap.benchmark.executors import SerialExecutor
 from cutgap.benchmark.runner import run_tasks
-from cutgap.benchmark.tasks import Suite, suite_tasks
+from cutgap.benchmark.tasks import suite_tasks
 from cutgap.instances import Rules
 from cutgap.instances.progress import Progress
 from cutgap.views.progress import RunLine, SuiteView, watch_run, watch_suite
@@ -35,7 +35,7 @@ def test_a_run_shows_incumbent_bound_gap_and_time():
 
 def test_a_suite_shows_its_runs_one_after_the_other():
     instance = random_instance(np.random.default_rng(1), 5, layout="uniform")
-    tasks = suite_tasks(Suite("one", (instance,)), Rules(), ("split", "task-balancing"), seeds=1)
+    tasks = suite_tasks([(instance, Rules())], ("split", "task-balancing"), seeds=1)
     view = SuiteView(tasks, one_by_one=True)
     assert "0/2" in text_of(view)
     assert "split" in text_of(view)

@@ -10,7 +10,7 @@ from oracles.random_instances import random_instance
 from cutgap.benchmark.executors import SerialExecutor
 from cutgap.benchmark.runner import run_tasks
 from cutgap.benchmark.table import gap_table
-from cutgap.benchmark.tasks import Suite, instance_hash, suite_tasks
+from cutgap.benchmark.tasks import instance_hash, suite_tasks
 from cutgap.instances import Rules
 from cutgap.views.report import DRAWN_PARTS, Run, report_html
 
@@ -19,9 +19,9 @@ METHODS = ("split", "local-search", "k-means")
 
 def report(instances, methods=METHODS):
     """Return the page of a suite and its records."""
-    tasks = suite_tasks(Suite("suite", instances), Rules(), methods, seeds=1)
+    tasks = suite_tasks([(each, Rules()) for each in instances], methods, seeds=1)
     records = list(run_tasks(tasks, SerialExecutor()))
-    run = Run("suite", Rules(), methods, 1, None, len(tasks))
+    run = Run("suite", (Rules(),), methods, 1, None, len(tasks))
     by_hash = {instance_hash(instance): instance for instance in instances}
     return report_html(run, records, gap_table(records), by_hash), records
 
