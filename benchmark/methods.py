@@ -140,7 +140,7 @@ def warm_up(method: str, rules: Rules, instance: Instance) -> None:
     _WARM.add(kind)
     # Where a method refuses the instance or the rules, the run itself says so.
     with suppress(ValueError):
-        run(method, excerpt(instance), rules, time_limit=10.0)
+        run(method, excerpt(instance), rules, time_limit=60.0)
 
 
 def excerpt(instance: Instance, *, contours: int = 6, entries: int = 3) -> Instance:

@@ -89,7 +89,7 @@ class Summary:
     """One method over all instances: gaps of all allowed runs that have one, mean seconds of a run.
 
     ``question`` tells apart what is asked of it, where that is several things; ``travel_gap`` and ``peak_gap``
-    are means over the instances, where temperatures are asked for.
+    are mean gaps of both figures, where temperatures are asked for.
     """
 
     question: str
@@ -238,7 +238,7 @@ def summarise(rows: Sequence[TableRow]) -> list[Summary]:
 
 
 def _mean_gap(figures: Iterable[Against | None]) -> float | None:
-    gaps = [each.mean_gap for each in figures if each is not None and each.mean_gap is not None]
+    gaps = [gap for each in figures if each is not None for gap in each.gaps]
     return fmean(gaps) if gaps else None
 
 

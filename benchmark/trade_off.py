@@ -37,8 +37,8 @@ class Against:
     lower_bound, proved, certified
         The best bound proved under these rules; whether an allowed plan meets it; whether a certificate of it
         was verified. ``None`` and false where there is none.
-    gap, mean_gap
-        Of the run that is shown, and mean of the allowed runs.
+    gap, gaps
+        Of the run that is shown, and of each allowed run.
     """
 
     mean: float | None
@@ -46,7 +46,12 @@ class Against:
     proved: bool
     certified: bool
     gap: float | None
-    mean_gap: float | None
+    gaps: tuple[float, ...]
+
+    @property
+    def mean_gap(self) -> float | None:
+        """Mean gap of the allowed runs."""
+        return fmean(self.gaps) if self.gaps else None
 
 
 def speaks_of_heat(records: Sequence[Record]) -> bool:
@@ -77,14 +82,13 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
     bound = max((value for value, _ in bounds), default=None)
     allowed = [value for each in group if (value := _value(each, figure)) is not None]
     if bound is None:
-        return Against(fmean(allowed) if allowed else None, None, False, False, None, None)
+        return Against(fmean(allowed) if allowed else None, None, False, False, None, ())
     for each in group:
         value = _value(each, figure)
         if value is not None and value < bound - slack(bound):
             place = f"{each.result.method} on {each.instance!r}, seed {each.seed}: {figure} {value}"
             raise ContradictionError(f"{place} is below the proved bound {bound}")
     zero = (shown.result.ambient_c or 0.0) if figure == "peak" else 0.0
-    gaps = [gap_to(value, bound, zero) for value in allowed]
     best = _value(shown, figure)
     return Against(
         mean=fmean(allowed) if allowed else None,
@@ -94,7 +98,7 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
         ),
         certified=any(certified and value >= bound - slack(bound) for value, certified in bounds),
         gap=None if best is None else gap_to(best, bound, zero),
-        mean_gap=fmean(gaps) if gaps else None,
+        gaps=tuple(gap_to(value, bound, zero) for value in allowed),
     )
 
 

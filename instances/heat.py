@@ -126,6 +126,40 @@ def peak_temperature(instance: Instance, plan: Plan) -> float:
     return require_heat(instance).ambient_c + max(rises(instance, plan).values(), default=0.0)
 
 
+def temperatures(instance: Instance, plan: Plan, places: npt.ArrayLike, times_s: npt.ArrayLike) -> Floats:
+    """Return how warm places of the sheet are at times, deg C: ambient plus (1) of every contour done by then.
+
+    The places need be no start points, so a plan can be watched as it warms the sheet.
+
+    Parameters
+    ----------
+    places
+        x and y, shape (places, 2), mm.
+    times_s
+        Since the heads left home, shape (times,).
+
+    Returns
+    -------
+    Floats
+        Shape (times, places); infinite on a curve at the very end of its cut.
+
+    Raises
+    ------
+    ValueError
+        When the instance has no material, or a contour has no curve.
+    """
+    ambient = require_heat(instance).ambient_c
+    spots = shapely.points(np.asarray(places, dtype=np.float64).reshape(-1, 2))
+    moments = np.asarray(times_s, dtype=np.float64).reshape(-1, 1)
+    found = np.full((len(moments), len(spots)), ambient)
+    for contour, start in start_times(instance, plan).items():
+        end = start + float(instance.service_times[contour])
+        apart = shapely.distance(spots, shapely.LinearRing(instance.contours[contour].geometry))
+        done = moments[:, 0] >= end
+        found[done] += rise(instance, apart[None, :], moments[done] - end)
+    return found
+
+
 def lag_window(instance: Instance, distance_mm: float, theta: float) -> tuple[float, float] | None:
     """Return (4) in s, ``None`` when the kernel never exceeds ``theta`` K > 0."""
     constant, spread = kernel_constant(instance), diffusivity(instance)

@@ -28,6 +28,8 @@ def print_evaluation(instance: Instance, plan: Plan, evaluation: Evaluation) -> 
         print(f"  back in x      {sum(evaluation.backward_mm):.1f} mm")
     print(f"  makespan       {evaluation.makespan_s:.2f} s")
     print(f"  imbalance      {evaluation.imbalance_s:.2f} s")
+    if evaluation.peak_temperature_c is not None:
+        print(f"  peak           {evaluation.peak_temperature_c:.2f} deg C, the hottest start point")
     if evaluation.partition_gap_mm is not None:
         print(f"  partition gap  {evaluation.partition_gap_mm:.1f} mm")
     if evaluation.separation_mm is not None:

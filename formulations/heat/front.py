@@ -35,6 +35,8 @@ def heat_front(
 ) -> list[Result]:
     """Return points of the front, shortest travel first, each for the rules with its peak as the cap.
 
+    Where no plan keeps the rules there is one result, which says so.
+
     Parameters
     ----------
     rules
@@ -42,7 +44,7 @@ def heat_front(
     points
         How many points a larger plate gets.
     time_limit
-        Seconds for all points. The exact front ends where they do, its last point perhaps unproved.
+        Seconds for all points. The exact front ends where they do, its last point unproved or without a plan.
 
     Raises
     ------
@@ -66,7 +68,8 @@ def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch
     while True:
         shortest = solve_heat(instance, asked, time_limit=_left(deadline), watch=watch)
         if shortest.plan is None or shortest.value is None:
-            return front
+            # What closes a front is no point of it, but a run that was stopped has to be seen.
+            return front if front and shortest.status is Status.INFEASIBLE else [*front, shortest]
         coolest = solve_heat(
             instance,
             replace(asked, objective="peak", backward_price=0.0),

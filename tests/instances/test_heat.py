@@ -8,7 +8,8 @@ import pytest
 
 from cutgap.instances import Contour, Head, Instance, Machine, Material, Plan
 from cutgap.instances.generate import generate
-from cutgap.instances.heat import curve_distances, lag_window, peak_temperature, rise, rises
+from cutgap.instances.heat import curve_distances, lag_window, peak_temperature, rise, rises, temperatures
+from cutgap.instances.simulate import start_times
 
 STEEL = Material("steel", 48.0, 480.0, 7850.0, thickness_mm=5.0, power_w=1000.0, ambient_c=20.0)
 MACHINE = Machine(v_jump=100.0, v_cut=50.0, t_aux=0.0)
@@ -134,3 +135,27 @@ def test_generated_plates_have_curves_that_stand_apart():
         for contour in instance.contours:
             assert {tuple(point[:2]) for point in contour.entry_points} <= {tuple(p) for p in contour.geometry}
             assert 3 <= len(contour.entry_points) <= 8
+
+
+def test_the_sheet_is_as_warm_as_what_is_done_has_made_it():
+    instance = plate(square("a", 0.0, 0.0, 10.0), square("b", 16.0, 0.0, 10.0))
+    # a is done at 0.8 s, b at 0.8 + 0.16 + 0.8 s.
+    # (13, 5) is 3 mm from both, (30, 0) 20 mm from a and 4 mm from b.
+    plan = Plan.of_contours([[0, 1]])
+    found = temperatures(instance, plan, [[13.0, 5.0], [30.0, 0.0]], [0.5, 1.0, 3.0])
+    assert found[0].tolist() == [20.0, 20.0]
+    assert found[1] == pytest.approx([20.0 + kernel(3.0, 0.2), 20.0 + kernel(20.0, 0.2)], rel=1e-12)
+    both = [kernel(3.0, 2.2) + kernel(3.0, 1.24), kernel(20.0, 2.2) + kernel(4.0, 1.24)]
+    assert found[2] == pytest.approx(np.add(20.0, both), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_start_points_are_as_warm_as_the_sheet_there(seed):
+    rng = np.random.default_rng(seed)
+    instance = generate("dense-plate", holes=6, seed=seed)
+    plan = Plan.of_contours([rng.permutation(6)])
+    starts, found = start_times(instance, plan), rises(instance, plan)
+    for visit in plan.tours[0]:
+        place = instance.points[instance.node(visit.contour, visit.entry), :2]
+        warm = temperatures(instance, plan, [place], [starts[visit.contour]])
+        assert warm[0, 0] == pytest.approx(20.0 + found[visit.contour], rel=1e-12)
