@@ -6,6 +6,7 @@ line, and the run counts as not done.
 """
 
 import json
+import math
 import os
 import platform
 from collections.abc import Iterable
@@ -109,7 +110,7 @@ def versions() -> dict[str, str]:
 
 def append_record(path: Path, record: Record) -> None:
     """Append a record and wait until it is on the disk; a torn last line is ended first."""
-    content = _adapter().dump_python(record, mode="json")
+    content = _storable(_adapter().dump_python(record, mode="json"))
     line = canonical({**content, "checksum": digest(content)}) + b"\n"
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a+b") as file:
@@ -120,6 +121,15 @@ def append_record(path: Path, record: Record) -> None:
         file.write(line)
         file.flush()
         os.fsync(file.fileno())
+
+
+def _storable(content: Any) -> Any:
+    """Return content with infinite numbers, as a peak may be, as texts that are read as such."""
+    if isinstance(content, dict):
+        return {key: _storable(value) for key, value in content.items()}
+    if isinstance(content, list):
+        return [_storable(value) for value in content]
+    return str(content) if isinstance(content, float) and math.isinf(content) else content
 
 
 def read_records(path: Path) -> tuple[list[Record], list[Damage]]:

@@ -139,7 +139,7 @@ def gap_table(records: Iterable[Record], published: Mapping[str, BestKnown] | No
             for each in every
         )
         best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
-        proved = bound is not None and best is not None and best <= bound + slack(best)
+        proved = bound is not None and best is not None and best <= bound + slack(bound)
         known = (published or {}).get(every[0].instance)
         rows += [
             replace(_table_row(group, bound, proved, certified), published=known) for group in methods.values()

@@ -94,7 +94,7 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
         mean=fmean(allowed) if allowed else None,
         lower_bound=bound,
         proved=any(
-            value <= bound + slack(value) for each in weaker if (value := _value(each, figure)) is not None
+            value <= bound + slack(bound) for each in weaker if (value := _value(each, figure)) is not None
         ),
         certified=any(certified and value >= bound - slack(bound) for value, certified in bounds),
         gap=None if best is None else gap_to(best, bound, zero),
@@ -109,7 +109,7 @@ def slack(value: float) -> float:
 
 def gap_to(value: float, bound: float, zero: float = 0.0) -> float:
     """Return ``relative_gap``; 0 when the value meets the bound."""
-    return 0.0 if value <= bound + slack(value) else relative_gap(value, bound, zero)
+    return 0.0 if value <= bound + slack(bound) else relative_gap(value, bound, zero)
 
 
 def _value(record: Record, figure: Figure) -> float | None:

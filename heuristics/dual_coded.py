@@ -185,7 +185,9 @@ class Population:
         """Take the figures of the generation, and keep its best individual and its share of the front."""
         travels, rises, barred = measure(self.plate, self.orders, self.starts)
         self.fitness = raw_fitness(travels / self.travel_unit, rises, self.room, self.parameters)
-        excess = np.where(rises - self.room <= TOLERANCE * np.maximum(1.0, rises), 0.0, rises - self.room)
+        # By the cap's own rise, as in ``check``: an infinite rise would allow itself an infinite slack.
+        over = rises > self.room + TOLERANCE * max(1.0, abs(self.room))
+        excess = np.subtract(rises, self.room, out=np.zeros(len(rises)), where=over)
         best = int(np.lexsort((-self.fitness, excess, barred))[0])
         score = (float(barred[best]), float(excess[best]), -float(self.fitness[best]))
         self.improved = score < self.score

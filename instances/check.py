@@ -6,7 +6,7 @@ from cutgap.instances.heat import require_heat
 from cutgap.instances.instance import Instance
 from cutgap.instances.links.link_check import cut_counts, link_violations, require_links
 from cutgap.instances.plan import Plan
-from cutgap.instances.process import require_geometry
+from cutgap.instances.process import require_entries_on_curves, require_geometry
 from cutgap.instances.process_check import process_violations
 from cutgap.instances.rules import Rules
 from cutgap.instances.simulate import start_times
@@ -48,10 +48,12 @@ def require_coordinates(instance: Instance, rules: Rules) -> None:
         require_geometry(instance, "neighbours only")
     if rules.clear_rapids:
         require_geometry(instance, "clear rapids")
+        require_entries_on_curves(instance, "clear rapids")
     if rules.free_entries and instance.matrix is not None:
         raise ValueError(f"instance {instance.name!r} has a matrix, which holds no lengths to free entries")
     if rules.speaks_of_heat:
         require_heat(instance)
+        require_entries_on_curves(instance, "temperature")
     if rules.links:
         require_links(instance, rules)
     if instance.located:

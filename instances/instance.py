@@ -20,6 +20,8 @@ Ring = Literal["hole", "inner", "outer"]
 Metric = Literal["euclidean", "chebyshev", "matrix"]
 
 RINGS: tuple[Ring, ...] = ("hole", "inner", "outer")
+ABSOLUTE_ZERO_C = -273.15
+"""Nothing is colder, deg C."""
 METRICS: tuple[Metric, ...] = ("euclidean", "chebyshev", "matrix")
 
 
@@ -144,7 +146,9 @@ class Material:
         ):
             value = finite_number(getattr(self, field_name), f"material, {field_name}", above=0.0)
             object.__setattr__(self, field_name, value)
-        object.__setattr__(self, "ambient_c", finite_number(self.ambient_c, "material, ambient_c"))
+        object.__setattr__(
+            self, "ambient_c", finite_number(self.ambient_c, "material, ambient_c", least=ABSOLUTE_ZERO_C)
+        )
 
 
 @dataclass(frozen=True, eq=False)

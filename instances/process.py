@@ -16,6 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
+import shapely
 
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.crossing import mark_meetings
@@ -25,6 +26,9 @@ from cutgap.instances.rules import Rules
 
 WORD = 64
 """Contours per word of a set."""
+
+ENTRY_TOLERANCE_MM = 0.1
+"""How far an entry point may be off its contour's curve where curves matter; chords of arcs are off them."""
 
 Words = npt.NDArray[np.uint64]
 Bools = npt.NDArray[np.bool_]
@@ -37,6 +41,33 @@ def require_geometry(instance: Instance, rule: str) -> None:
     bare = next((c.id for c in instance.contours if c.geometry is None), None)
     if bare is not None:
         raise ValueError(f"instance {instance.name!r}, contour {bare!r}: no geometry, which {rule} needs")
+
+
+@lru_cache(maxsize=8)
+def entry_distances(instance: Instance) -> Floats:
+    """Return how far each entry point is off the curve of its contour, shape (points,), mm; 0 without one."""
+    found = np.zeros(int(instance.first_node[-1]))
+    for index, contour in enumerate(instance.contours):
+        if contour.geometry is not None:
+            points = shapely.points(contour.entry_points[:, :2])
+            own = slice(*instance.first_node[index : index + 2].tolist())
+            found[own] = shapely.distance(points, shapely.LinearRing(contour.geometry))
+    found.setflags(write=False)
+    return found
+
+
+def require_entries_on_curves(instance: Instance, rule: str) -> None:
+    """Raise ``ValueError`` when an entry point is more than ``ENTRY_TOLERANCE_MM`` off its contour's curve."""
+    distances = entry_distances(instance)
+    for node in np.flatnonzero(distances > ENTRY_TOLERANCE_MM)[:1].tolist():
+        contour = int(np.searchsorted(instance.first_node, node, side="right")) - 1
+        x, y = instance.points[node, :2]
+        raise ValueError(
+            f"instance {instance.name!r}, contour {instance.contours[contour].id!r}: entry point "
+            f"{node - int(instance.first_node[contour])} at {x:g}, {y:g} is {distances[node]:.3g} mm off "
+            f"its curve; {rule} takes at most {ENTRY_TOLERANCE_MM:g} mm: "
+            "move the point onto the curve, or mend the geometry"
+        )
 
 
 def rapid_costs(instance: Instance, rules: Rules) -> Floats:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from cutgap.instances.arrays import finite_number
+from cutgap.instances.instance import ABSOLUTE_ZERO_C
 
 Objective = Literal["makespan", "travel", "weighted", "peak"]
 OBJECTIVES: tuple[Objective, ...] = ("makespan", "travel", "weighted", "peak")
@@ -84,7 +85,7 @@ class Rules:
                 f"rules, backward_price: goes with the objectives travel and weighted, not {self.objective}"
             )
         if self.temperature_cap is not None:
-            cap = finite_number(self.temperature_cap, "rules, temperature_cap")
+            cap = finite_number(self.temperature_cap, "rules, temperature_cap", least=ABSOLUTE_ZERO_C)
             object.__setattr__(self, "temperature_cap", cap)
         self._check_pierces()
         for name in ("non_overlap", "balance"):

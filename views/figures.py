@@ -1,12 +1,17 @@
 """Rules and figures of a plan, as text and as JSON."""
 
+import math
 from typing import Any
 
 from cutgap.instances import Evaluation, Instance, Plan
 
 
 def evaluation_fields(evaluation: Evaluation) -> dict[str, Any]:
-    """Return the figures of a plan; travel and time are lists, one entry a head."""
+    """Return the figures of a plan; travel and time are lists, one entry a head.
+
+    An infinite peak is the text ``infinite``, since JSON has no such number.
+    """
+    peak = evaluation.peak_temperature_c
     return {
         "travel_mm": list(evaluation.travel_mm),
         "time_s": list(evaluation.time_s),
@@ -14,8 +19,13 @@ def evaluation_fields(evaluation: Evaluation) -> dict[str, Any]:
         "imbalance_s": evaluation.imbalance_s,
         "partition_gap_mm": evaluation.partition_gap_mm,
         "backward_mm": list(evaluation.backward_mm),
-        "peak_temperature_c": evaluation.peak_temperature_c,
+        "peak_temperature_c": None if peak is None else json_number(peak),
     }
+
+
+def json_number(value: float) -> float | str:
+    """Return a number as JSON takes it: an infinite one as text."""
+    return "infinite" if math.isinf(value) else value
 
 
 def print_evaluation(instance: Instance, plan: Plan, evaluation: Evaluation) -> None:

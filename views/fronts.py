@@ -16,6 +16,7 @@ from cutgap.formulations.pareto import pareto_front
 from cutgap.instances import Instance, Result, Rules
 from cutgap.instances.formats import read_instance, write_atomically
 from cutgap.instances.heat import has_heat
+from cutgap.views.figures import json_number
 from cutgap.views.options import (
     DEFAULT_RULES,
     FILE_MACHINE,
@@ -171,7 +172,8 @@ def _row(result: Result, against: Against) -> dict[str, object]:
     }
     if against == "peak":
         figures = {"method": result.method, **figures}
-        figures["peak_c"] = None if evaluation is None else evaluation.peak_temperature_c
+        peak = None if evaluation is None else evaluation.peak_temperature_c
+        figures["peak_c"] = None if peak is None else json_number(peak)
     else:
         figures = {"limit_s": result.rules.balance, **figures}
         figures["imbalance_s"] = None if evaluation is None else evaluation.imbalance_s

@@ -15,6 +15,7 @@ from cutgap.benchmark.table import cells, gap_table, table_csv
 from cutgap.benchmark.tasks import Suite, Task, find_suite, instance_hash, suite_tasks
 from cutgap.benchmark.trade_off import ContradictionError
 from cutgap.instances.formats import write_atomically
+from cutgap.views.figures import json_number
 from cutgap.views.options import (
     DEFAULT_RULES,
     FILE_MACHINE,
@@ -107,7 +108,11 @@ def _publish(
     write_atomically(folder.path / TABLE_NAME, table_csv(rows))
     write_atomically(folder.path / REPORT_NAME, report_html(run, records, rows, instances, failures))
     if json:
-        print(json_library.dumps([cells(row) for row in rows], indent=2, allow_nan=False))
+        fields = [
+            {name: json_number(cell) if isinstance(cell, float) else cell for name, cell in cells(row).items()}
+            for row in rows
+        ]
+        print(json_library.dumps(fields, indent=2, allow_nan=False))
     else:
         print_gaps(rows)
     print(f"cutgap: {folder.path / REPORT_NAME}", file=sys.stderr)

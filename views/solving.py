@@ -14,7 +14,7 @@ from cutgap.formulations import choose
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
 from cutgap.instances.formats import read_instance, write_atomically, write_plan
 from cutgap.instances.formats.json_format import format_plan
-from cutgap.views.figures import evaluation_fields, print_evaluation
+from cutgap.views.figures import evaluation_fields, json_number, print_evaluation
 from cutgap.views.options import (
     DEFAULT_RULES,
     FILE_MACHINE,
@@ -119,13 +119,14 @@ def result_fields(instance: Instance, result: Result) -> dict[str, Any]:
     """Return a result as ``solve --json`` prints it; ``null`` is what was not found or not proved."""
     return {
         "status": str(result.status),
-        "value": None if result.violations else result.value,
+        "value": None if result.violations or result.value is None else json_number(result.value),
         "lower_bound": result.lower_bound,
         "gap": result.gap,
         "objective": result.rules.objective,
         "method": result.method,
         "seconds": result.seconds,
         "seed": result.seed,
+        "reason": result.reason,
         "evaluation": None if result.evaluation is None else evaluation_fields(result.evaluation),
         "plan": None if result.plan is None else json_library.loads(format_plan(result.plan, instance)),
     }

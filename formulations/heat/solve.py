@@ -30,6 +30,9 @@ CERTIFIED_PRECISION = 1e-4
 ANNEAL_SHARE, ANNEAL_SECONDS = 0.4, 60.0
 """How much of the time for a larger plate's peak goes to plans: a share, or seconds where there is no limit."""
 
+WHY_SECONDS = 10.0
+"""Most seconds for the least peak, where no plan keeps the cap."""
+
 
 def solve_heat(
     instance: Instance,
@@ -145,7 +148,16 @@ class _Solving:
         cap = self.run.rules.temperature_cap
         if cap is None:
             return "no order keeps the rules"
-        return f"every plan has a peak above the cap of {cap:g} deg C, as {self.how} shows"
+        # The bound that proves it says by how much the cap is too low.
+        rules = replace(self.run.rules, objective="peak", backward_price=0.0, temperature_cap=None)
+        left = min(WHY_SECONDS, max(0.0, self.run.deadline - time.perf_counter()))
+        coolest = solve_heat(self.run.instance, rules, time_limit=left)
+        if coolest.lower_bound is None or coolest.lower_bound <= cap:
+            return f"every plan has a peak above the cap of {cap:g} deg C, as {self.how} shows"
+        least = "is" if coolest.status is Status.OPTIMAL else "is at least"
+        return (
+            f"the least possible peak {least} {coolest.lower_bound:.3f} deg C, above the cap of {cap:g} deg C"
+        )
 
 
 def _with_certificate(result: Result, run: Run, certificate: Certificate | None) -> Result:

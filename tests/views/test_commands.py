@@ -37,6 +37,7 @@ def test_json_of_solve_has_the_published_fields(part, capsys):
         "method",
         "seconds",
         "seed",
+        "reason",
         "evaluation",
         "plan",
     ]
