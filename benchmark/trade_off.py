@@ -32,8 +32,6 @@ class Against:
 
     Attributes
     ----------
-    mean
-        Of the allowed runs; ``None`` without one.
     lower_bound, proved, certified
         The best bound proved under these rules; whether an allowed plan meets it; whether a certificate of it
         was verified. ``None`` and false where there is none.
@@ -41,7 +39,6 @@ class Against:
         Of the run that is shown, and of each allowed run.
     """
 
-    mean: float | None
     lower_bound: float | None
     proved: bool
     certified: bool
@@ -80,9 +77,8 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
         if _is_bound_on(each.result.rules, figure) and each.result.lower_bound is not None
     ]
     bound = max((value for value, _ in bounds), default=None)
-    allowed = [value for each in group if (value := _value(each, figure)) is not None]
     if bound is None:
-        return Against(fmean(allowed) if allowed else None, None, False, False, None, ())
+        return Against(None, False, False, None, ())
     for each in group:
         value = _value(each, figure)
         if value is not None and value < bound - slack(bound):
@@ -91,14 +87,15 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
     zero = (shown.result.ambient_c or 0.0) if figure == "peak" else 0.0
     best = _value(shown, figure)
     return Against(
-        mean=fmean(allowed) if allowed else None,
         lower_bound=bound,
         proved=any(
-            value <= bound + slack(bound) for each in weaker if (value := _value(each, figure)) is not None
+            value <= bound + slack(bound)
+            for each in weaker
+            if _keeps(each, rules) and (value := _value(each, figure)) is not None
         ),
         certified=any(certified and value >= bound - slack(bound) for value, certified in bounds),
         gap=None if best is None else gap_to(best, bound, zero),
-        gaps=tuple(gap_to(value, bound, zero) for value in allowed),
+        gaps=tuple(gap_to(value, bound, zero) for each in group if (value := _value(each, figure)) is not None),
     )
 
 
@@ -124,6 +121,15 @@ def _holds_for(weaker: Rules, rules: Rules) -> bool:
     """Whether a bound under ``weaker`` is one under ``rules``: equal constraints, with or without the cap."""
     same = rules.constraints
     return weaker.constraints in (same, replace(same, temperature_cap=None))
+
+
+def _keeps(record: Record, rules: Rules) -> bool:
+    """Whether a plan made under the same or weaker rules is within the cap."""
+    cap, evaluation = rules.temperature_cap, record.result.evaluation
+    if cap is None or record.result.rules.constraints == rules.constraints:
+        return True
+    peak = None if evaluation is None else evaluation.peak_temperature_c
+    return peak is not None and peak <= cap
 
 
 def _is_bound_on(rules: Rules, figure: Figure) -> bool:

@@ -66,6 +66,21 @@ def test_each_plan_is_compared_with_a_bound_on_each_figure(plate, records):
     assert rows[2].peak.proved
 
 
+def test_a_shorter_plan_above_the_cap_does_not_prove_the_least_travel_under_it(plate, records):
+    shortest, coolest = records[0], records[4]
+    cap = (figures(shortest)[1] + figures(coolest)[1]) / 2
+    assert figures(shortest)[1] > cap
+    rules = replace(PLATE_RULES, temperature_cap=cap)
+    plan = coolest.result.plan
+    longest = conclude(plate, rules, plan, method="heat", seconds=0.0)
+    between = (figures(shortest)[0] + longest.value) / 2
+    assert figures(shortest)[0] < between < longest.value
+    open_run = make_record(Task(plate, rules, "heat", 0), replace(longest, lower_bound=between))
+    row = gap_table([shortest, coolest, open_run])[2]
+    assert (row.travel.lower_bound, row.travel.proved) == (between, False)
+    assert row.peak.proved
+
+
 def test_the_summary_keeps_questions_apart(records):
     found = {(each.question, each.method): each for each in summarise(gap_table(records))}
     assert set(found) == {
