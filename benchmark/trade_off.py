@@ -7,7 +7,8 @@ a cap is added to these rules, since it only forbids plans.
     (1) gap of travel = (travel - bound) / travel
     (2) gap of a peak = (peak - bound) / (peak - ambient)
 
-(2) is the share of the rise: shares of deg C would depend on where their scale begins.
+(2) is a share of the rise: shares of deg C would depend on where their scale begins. Within ``NOTHING_K`` of
+its bound a peak counts as having met it, or plates that stay cold would have gaps of 100 %.
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,8 @@ from cutgap.benchmark.records import Record
 from cutgap.instances import Rules
 from cutgap.instances.result import OPTIMALITY_TOLERANCE, relative_gap
 
+NOTHING_K = 0.005
+"""A difference of temperatures that no table shows."""
 Figure = Literal["travel", "peak"]
 
 
@@ -85,7 +88,12 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
             place = f"{each.result.method} on {each.instance!r}, seed {each.seed}: {figure} {value}"
             raise ContradictionError(f"{place} is below the proved bound {bound}")
     zero = (shown.result.ambient_c or 0.0) if figure == "peak" else 0.0
-    best = _value(shown, figure)
+    best, least = _value(shown, figure), NOTHING_K if figure == "peak" else 0.0
+
+    def share(value: float) -> float:
+        """Return (1) or (2)."""
+        return 0.0 if value - bound < least else gap_to(value, bound, zero)
+
     return Against(
         lower_bound=bound,
         proved=any(
@@ -94,8 +102,8 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
             if _keeps(each, rules) and (value := _value(each, figure)) is not None
         ),
         certified=any(certified and value >= bound - slack(bound) for value, certified in bounds),
-        gap=None if best is None else gap_to(best, bound, zero),
-        gaps=tuple(gap_to(value, bound, zero) for each in group if (value := _value(each, figure)) is not None),
+        gap=None if best is None else share(best),
+        gaps=tuple(share(value) for each in group if (value := _value(each, figure)) is not None),
     )
 
 

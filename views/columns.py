@@ -203,7 +203,7 @@ def heat_columns(rows: Sequence[TableRow]) -> list[Column]:
         TRAVEL,
         *_against(lambda row: row.travel, "travel", "travel", "(travel - bound) / travel"),
         PEAK,
-        *_against(lambda row: row.peak, "peak", "rise", "(peak - bound) / (peak - ambient)"),
+        *_against(lambda row: row.peak, "peak", "rise", "(peak - bound) / (peak - ambient), 0 within 0.005 K"),
         SECONDS,
     ]
 

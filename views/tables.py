@@ -11,7 +11,7 @@ from cutgap.benchmark.table import TableRow, summarise
 from cutgap.benchmark.wording import describe_all
 from cutgap.views.columns import columns, summary_headings, summary_rows
 
-PLAIN_WIDTH = 200
+PLAIN_WIDTH = 260
 """Width of tables that go to a file or pipe."""
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from cutgap.instances.instance import Metric, Ring
+from cutgap.instances.instance import ABSOLUTE_ZERO_C, Metric, Ring
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 # The limit of 0 makes pydantic refuse lone surrogates, which could not be written again.
@@ -83,7 +83,7 @@ class MaterialModel(_Model):
     density_kg_per_m3: Positive
     thickness_mm: Positive
     power_w: Positive
-    ambient_c: Number = 20.0
+    ambient_c: Annotated[Number, Field(ge=ABSOLUTE_ZERO_C)] = 20.0
 
 
 class InstanceModel(_Model):

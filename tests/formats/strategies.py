@@ -49,7 +49,7 @@ def instances(draw: st.DrawFn) -> Instance:
         heads=tuple(heads),
         machine=machine,
         precedence=tuple(draw(st.lists(st.sampled_from(pairs), max_size=3)) if pairs else ()),
-        material=draw(st.none() | st.builds(Material, TEXT, *[POSITIVE] * 5, FINITE)),
+        material=draw(st.none() | st.builds(Material, TEXT, *[POSITIVE] * 5, st.floats(-273.15, 1e150))),
     )
     return with_matrix(draw, instance) if draw(st.booleans()) else instance
 
