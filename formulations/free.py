@@ -70,9 +70,7 @@ def solve_free(
     incumbent = _incumbent(instance, rules, divisions, start)
 
     def report(progress: Progress) -> None:
-        value = None if progress.value is None else progress.value / unit
-        bound = None if progress.lower_bound is None else progress.lower_bound / unit
-        watch(Progress(progress.seconds, value, bound, progress.message))
+        watch(progress.seen_as(lambda value: value / unit))
 
     search = BranchAndCut(
         TwoHeadsModel(instance, rules, divisions.around),

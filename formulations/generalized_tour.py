@@ -61,9 +61,7 @@ def solve_generalized_tour(
         return length / speed + service if rules.objective == "makespan" else length
 
     def report(state: Progress) -> None:
-        value = None if state.value is None else objective(state.value)
-        bound = None if state.lower_bound is None else objective(max(0.0, state.lower_bound))
-        watch(replace(state, value=value, lower_bound=bound))
+        watch(state.seen_as(lambda length: objective(max(0.0, length))))
 
     outcome = Outcome(0.0, 0.0, np.arange(len(first) - 1), True, 0)  # at most one place to be
     if len(first) > 2:

@@ -14,6 +14,7 @@ from cutgap.formulations.branch_and_cut.tour import best_tour, shortest_tour
 from cutgap.formulations.relaxations.one_tree import held_karp_bound
 from cutgap.instances import Instance
 from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.progress import Watch, nobody
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
 from cutgap.instances.tours import tour_length
 
@@ -90,11 +91,21 @@ class Sides:
             side.inherited_from = len(self._known)
         return side
 
-    def tighten(self, members: int, cutoff: float, deadline: float) -> bool:
+    def peek(self, members: int) -> tuple[float, float, float]:
+        """Return what is known about a set and change nothing: bounds on its tour (mm), service time (s)."""
+        known = self._sides.get(members)
+        if known is not None:
+            return known.lower, known.upper, known.service_s
+        contours = [c for c in range(len(self.instance.contours)) if members >> c & 1]
+        implied = [low for each, low in self._known if each & members == each] if self.inherits else []
+        upper = np.inf if contours else 0.0
+        return max(implied, default=0.0), upper, float(self.instance.service_times[contours].sum())
+
+    def tighten(self, members: int, cutoff: float, deadline: float, watch: Watch = nobody) -> bool:
         """Raise a set's lower bound by the next stronger method; False when the deadline passed first.
 
         First the Held-Karp bound, then branch and cut, which need not go beyond the cutoff (mm) and starts
-        from a longer local search.
+        from a longer local search; the watch is told of it in mm, its nodes numbered as in ``lengths``.
         """
         side = self.side(members)
         lengths, via = self.lengths(side.contours), self.via(side.contours)
@@ -106,7 +117,7 @@ class Sides:
         else:
             self._keep(side, *best_tour(lengths, via, lengths, LONG_SEARCH * len(lengths)))
             start = side.upper, self._tour(side)
-            outcome = shortest_tour(lengths, via, start=start, cutoff=cutoff, deadline=deadline)
+            outcome = shortest_tour(lengths, via, start=start, cutoff=cutoff, deadline=deadline, watch=watch)
             lower, complete, side.search = outcome.lower_bound, outcome.complete, outcome
             if outcome.solution is not None:
                 self._keep(side, tour_length(lengths, outcome.solution), outcome.solution)
@@ -139,7 +150,7 @@ class Sides:
 
     def removal_gains(self, order: tuple[int, ...]) -> Floats:
         """Return by how much a tour gets shorter when each of its contours is left out, mm."""
-        nodes = self._nodes(order)
+        nodes = self.nodes(order)
         before, after = np.roll(nodes, 1), np.roll(nodes, -1)
         rapids = self.instance.rapids
         gains = rapids[before, nodes] + rapids[nodes, after] - rapids[before, after]
@@ -147,19 +158,20 @@ class Sides:
 
     def insertion_cost(self, order: tuple[int, ...], contour: int) -> float:
         """Return by how much a tour gets longer when a contour is put at its best place, mm."""
-        nodes, new = self._nodes(order), self.instance.node(contour)
+        nodes, new = self.nodes(order), self.instance.node(contour)
         after, rapids = np.roll(nodes, -1), self.instance.rapids
         if len(nodes) == 0:
             return 0.0
         return float((rapids[nodes, new] + rapids[new, after] - rapids[nodes, after]).min())
 
-    def _nodes(self, contours: tuple[int, ...]) -> Ints:
+    def nodes(self, contours: tuple[int, ...]) -> Ints:
+        """Return the node of the home (if any, first) and of each contour."""
         nodes = [self.instance.node(contour) for contour in contours]
         return np.array(nodes if self.home is None else [self.home, *nodes], dtype=np.int64)
 
     def lengths(self, contours: tuple[int, ...]) -> Floats:
         """Return rapid lengths between the home (if any, first) and the contours."""
-        nodes = self._nodes(contours)
+        nodes = self.nodes(contours)
         return self.instance.rapids[np.ix_(nodes, nodes)]
 
     def via(self, contours: tuple[int, ...]) -> Ints:

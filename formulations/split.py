@@ -32,8 +32,9 @@ Source: proof of (3) and (4) in ``docs/two-heads.md``; the problem is that of Wa
 
 import heapq
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -42,6 +43,7 @@ from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
 from cutgap.formulations.split_proof import split_certificate
+from cutgap.formulations.split_scenes import moved, split_scene, tightened
 from cutgap.formulations.two_head_bound import objective_bound
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.arrays import difference
@@ -141,7 +143,6 @@ class SplitSearch:
                 if not self._step(self.heap[0]):
                     reason = "time limit"
                     break
-                self._report()
         except KeyboardInterrupt:
             reason = "interrupted"
         if reason and self.best is None:
@@ -187,12 +188,14 @@ class SplitSearch:
         bound = self.bound(cell.left, cell.right, cell.free)
         if bound > cell.bound:
             heapq.heapreplace(self.heap, Cell(bound, cell.number, cell.left, cell.right, cell.free))
+            self._report(cell, lambda: moved(cell, "what other thresholds proved raises its bound."))
             return True
         if cell.free and not self._is_loose(cell):
             heapq.heappop(self.heap)
             bit, rest = 1 << cell.free[0], cell.free[1:]
             self._push(cell.left | bit, cell.right, rest)
             self._push(cell.left, cell.right | bit, rest)
+            self._report(cell, lambda: moved(cell, "divided by the head that cuts the next one."))
             return True
         head = self._loose_head(cell)
         if head is None:
@@ -200,11 +203,14 @@ class SplitSearch:
             self._offer_tours(cell)
             heapq.heappop(self.heap)
             self.closed_bound = min(self.closed_bound, cell.bound)
+            self._report(cell, lambda: moved(cell, "both tours are known, nothing is left to prove."))
             return True
         members = (cell.left, cell.right)[head]
+        before = self.pair(cell)[head].lower
         complete = self._sides(cell.free)[head].tighten(members, self._cutoff(cell, head), self.deadline)
         if not cell.free:
             self._offer_tours(cell)
+        self._report(cell, lambda: tightened(self, cell, head, before))
         return complete
 
     def _is_loose(self, cell: Cell) -> bool:
@@ -225,6 +231,10 @@ class SplitSearch:
     def _sides(self, free: tuple[int, ...]) -> tuple[Sides, Sides]:
         """Return what bounds the two heads in a cell with these free holes, see (3)."""
         return self.sides[0], self.free_right if free else self.sides[1]
+
+    def pair(self, cell: Cell) -> tuple[Side, Side]:
+        """Return what is known about the tours of a cell's decided sets."""
+        return self._pair(cell.left, cell.right, cell.free)
 
     def _pair(self, left: int, right: int, free: tuple[int, ...] = ()) -> tuple[Side, Side]:
         sides = self._sides(free)
@@ -306,10 +316,13 @@ class SplitSearch:
     def _lower_bound(self) -> float:
         return min(self.closed_bound, self.heap[0].bound if self.heap else np.inf, self.value)
 
-    def _report(self) -> None:
+    def _report(self, cell: Cell, text: Callable[[], str]) -> None:
+        """Tell the watch of a step at a cell."""
         value = self.value if np.isfinite(self.value) else None
         seconds = time.perf_counter() - self.started
-        self.watch(Progress(seconds, value, self._lower_bound(), f"{len(self.heap)} splits open"))
+        message = f"{len(self.heap)} splits open"
+        scene = partial(split_scene, self, cell, text)
+        self.watch(Progress(seconds, value, self._lower_bound(), message, scene))
 
     def _result(self, *, infeasible: bool = False, reason: str | None = None) -> Result:
         return conclude(

@@ -6,6 +6,7 @@ objectives are the shortest tour's.
 
 import time
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from cutgap.formulations.sides import Side, Sides
 from cutgap.formulations.split_proof import MULTIPLIER_SCALE
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.progress import Progress, Watch, nobody
+from cutgap.instances.scene import Scene
 
 
 def solve_tour(
@@ -47,11 +49,19 @@ def solve_tour(
     def objective(length: float) -> float:
         return length / speed + side.service_s if rules.objective == "makespan" else length
 
+    def report(progress: Progress) -> None:
+        bound = max(side.lower, progress.lower_bound or 0.0)
+        seen = replace(progress, seconds=time.perf_counter() - begun, lower_bound=bound)
+        watch(seen.seen_as(objective, sides.nodes(side.contours).tolist()))
+
     complete = True
     while not side.is_exact and complete and (side.search is None or not side.search.complete):
-        complete = sides.tighten(everything, np.inf, deadline)
-        seconds = time.perf_counter() - begun
-        watch(Progress(seconds, objective(side.upper), objective(side.lower)))
+        complete = sides.tighten(everything, np.inf, deadline, report)
+        text = (
+            "Trees with prices bound the tour (Held-Karp)." if side.search is None else "The search has ended."
+        )
+        scene = partial(Scene, text, bound=side.lower)
+        report(Progress(0.0, side.upper if np.isfinite(side.upper) else None, scene=scene))
     result = conclude(
         instance,
         rules,

@@ -10,11 +10,13 @@ The search remembers its tree with the multipliers that prove each leaf, from wh
 import heapq
 import time
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from cutgap.formulations.branch_and_cut.model import Fixing, Model, Proof
+from cutgap.formulations.branch_and_cut.observing import Event, scene_of
 from cutgap.instances.progress import Progress, Watch, nobody
 
 STRONG_CANDIDATES = 8
@@ -38,6 +40,12 @@ class Node:
     proof: Proof = field(compare=False, default=())
     ray: Proof = field(compare=False, default=())
     children: tuple["Node", ...] = field(compare=False, default=())
+    parent: int | None = field(compare=False, default=None)
+
+    @property
+    def number(self) -> int:
+        """Name of the node: 0 for the root, 2 k and 2 k + 1 for the children of the k-th node worked on."""
+        return self.order[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +134,7 @@ class BranchAndCut:
     def run(self) -> Outcome:
         """Search until nothing below the limit is open, until the deadline or Ctrl-C."""
         complete = True
+        self._report(self.root, "began")
         try:
             while self.open and self.open[0].bound < self.limit and complete:
                 self.current = heapq.heappop(self.open)
@@ -153,12 +162,16 @@ class BranchAndCut:
                 self._round()
             if node.bound >= self.limit:
                 self.closed_bound = min(self.closed_bound, node.bound)
+                self._report(node, "bound" if np.isfinite(node.bound) else "infeasible")
                 return True
+            self._report(node, "relaxed")
             if not node.fixings:
                 proof = self.model.proof()
                 self.fixes += [proof] if self.model.tighten(self.limit) else []
-            if not self.model.separate(thorough=self._gains(bounds)):
+            added = self.model.separate(thorough=self._gains(bounds))
+            if added == 0:
                 break
+            self._report(node, "cut", added)
         self._branch(node)
         return True
 
@@ -170,23 +183,30 @@ class BranchAndCut:
         return bounds[-1] - before >= TAIL_SHARE * (self.limit - before)
 
     def _round(self) -> None:
-        """Keep a better solution, and report."""
+        """Keep a better solution."""
         found = self.model.round()
         if found is not None and (self.incumbent is None or found[0] < self.incumbent[0]):
             self.incumbent = found
+
+    def _report(self, node: Node, event: Event, added: int = 0) -> None:
+        """Tell the watch what happened at a node."""
         value = None if self.incumbent is None else self.incumbent[0]
+        bound = self.lower_bound if np.isfinite(self.lower_bound) else None
         message = f"{self.nodes} nodes, {len(self.open)} open"
-        self.watch(Progress(time.perf_counter() - self.started, value, self.lower_bound, message))
+        scene = partial(scene_of, self, node, event, added)
+        self.watch(Progress(time.perf_counter() - self.started, value, bound, message, scene))
 
     def _branch(self, node: Node) -> None:
         """Push the node's two children, or close it when its point is a solution."""
         candidates = self.model.candidates(STRONG_CANDIDATES)
         if not candidates:
             self.closed_bound = min(self.closed_bound, node.bound)
+            self._report(node, "solution")
             return
         node.children = self._strongest(node, candidates)
         for child in node.children:
             heapq.heappush(self.open, child)
+        self._report(node, "divided")
 
     def _strongest(self, node: Node, candidates: list[int]) -> tuple[Node, ...]:
         """Return the children with the best product of gains among the candidates."""
@@ -209,7 +229,7 @@ class BranchAndCut:
     def _child(self, node: Node, fixing: Fixing) -> Node:
         """Return a child with what its parent proved."""
         order = (-len(node.fixings), 2 * self.nodes + int(fixing.lower > 0))
-        return Node(node.bound, order, (*node.fixings, fixing), node.proof)
+        return Node(node.bound, order, (*node.fixings, fixing), node.proof, parent=node.number)
 
     def _look_ahead(self, child: Node) -> None:
         """Raise a child's bound by a few simplex iterations."""

@@ -23,6 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 from numba import njit
 
+from cutgap.formulations.branch_and_cut import wording
 from cutgap.formulations.branch_and_cut.generalized_cuts import (
     GeneralizedCut,
     Point,
@@ -35,6 +36,7 @@ from cutgap.formulations.branch_and_cut.separation import Mask, Members
 from cutgap.formulations.branch_and_cut.tour import COMPLETE, INTEGRALITY
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.entry_tours import EntrySearch, plain_task, shortest_in_order
+from cutgap.instances.scene import Decision, Inequality, Leg
 
 NEIGHBOURS = 3
 """Contours to whose nearest node each node has an edge in the first linear program."""
@@ -54,6 +56,8 @@ class GeneralizedTourModel(Model):
 
     Variable v < n is y_v; n + u * n + v with u < v is the edge u - v. The first n columns are the y.
     """
+
+    wording = wording.GENERALIZED_ROWS
 
     def __init__(self, lengths: Floats, first: Ints, tour: Ints) -> None:
         super().__init__()
@@ -331,6 +335,25 @@ class GeneralizedTourModel(Model):
         at = float(np.floor(self.solution.x[column]))
         upper = self.most if column >= self.nodes else 1.0
         return Fixing(variable, 0.0, at), Fixing(variable, at + 1.0, upper)
+
+    # For who watches
+
+    def legs(self) -> tuple[Leg, ...]:
+        point = self.point()
+        return wording.legs_of(point.tails, point.heads, point.x)
+
+    def inequality(self, row: Row) -> Inequality:
+        assert isinstance(row.name, GeneralizedCut)
+        return wording.generalized_in_words(row.name, self.point())
+
+    def decision(self, fixing: Fixing) -> Decision:
+        if fixing.variable < self.nodes:
+            return Decision("y", (fixing.variable,), None, fixing.lower, fixing.upper)
+        ends = divmod(fixing.variable - self.nodes, self.nodes)
+        return Decision("x", ends, None, fixing.lower, fixing.upper)
+
+    def tours(self, solution: Ints) -> tuple[tuple[int, ...], ...]:
+        return (tuple(solution.tolist()),)
 
 
 @njit(cache=True)

@@ -1,14 +1,15 @@
 """What the engine asks of a problem: a relaxation to be solved, cut, priced, rounded and branched on."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from cutgap.formulations.branch_and_cut.linear_program import INFINITY, LinearProgram, Solution
 from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.scene import Decision, Inequality, Leg
 
 RAY = 1e-7
 """An infeasible program's ray proves it when its value, against its largest entry, exceeds this."""
@@ -48,6 +49,9 @@ class Model(ABC):
     The model numbers its variables; which of them have a column is its own affair. All rows are valid for
     the whole problem, so they stay when the engine moves to another node.
     """
+
+    wording: ClassVar[Mapping[Any, tuple[str, str, str]]]
+    """Tag, symbols and words of the permanent rows, by the first part of their names."""
 
     def __init__(self) -> None:
         self.lp = LinearProgram()
@@ -136,3 +140,21 @@ class Model(ABC):
     @abstractmethod
     def children(self, variable: int) -> tuple[Fixing, Fixing]:
         """Return the two sides of branching on a fractional variable: at most its floor, at least the next."""
+
+    # For who watches; nodes are numbers of the model
+
+    @abstractmethod
+    def legs(self) -> tuple[Leg, ...]:
+        """Return the edges that carry weight in the current point."""
+
+    @abstractmethod
+    def inequality(self, row: Row) -> Inequality:
+        """Return a cut in words, with its sides at the current point."""
+
+    @abstractmethod
+    def decision(self, fixing: Fixing) -> Decision:
+        """Return a branching decision with its variable named."""
+
+    @abstractmethod
+    def tours(self, solution: Any) -> tuple[tuple[int, ...], ...]:
+        """Return the nodes of each head of a solution, its home first."""

@@ -20,6 +20,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numba import njit
 
+from cutgap.formulations.branch_and_cut import wording
 from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
 from cutgap.formulations.branch_and_cut.model import NO_COLUMNS, Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.separation import (
@@ -30,6 +31,7 @@ from cutgap.formulations.branch_and_cut.separation import (
 )
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.progress import Watch, nobody
+from cutgap.instances.scene import Decision, Inequality, Leg
 from cutgap.instances.tours import improve_tour, nearest_neighbour_tour, tour_length
 
 TOLERANCE = 1e-10
@@ -50,6 +52,8 @@ COMPLETE = 12
 
 class TourModel(Model):
     """The model above, as the engine sees it; variable u * n + v with u < v is the edge u - v."""
+
+    wording = wording.TOUR_ROWS
 
     def __init__(self, lengths: Floats, via: Ints, tour: Ints, cuts: Iterable[Cut] = ()) -> None:
         super().__init__()
@@ -230,6 +234,22 @@ class TourModel(Model):
 
     def children(self, variable: int) -> tuple[Fixing, Fixing]:
         return Fixing(variable, 0.0, 0.0), Fixing(variable, 1.0, 1.0)
+
+    # For who watches
+
+    def legs(self) -> tuple[Leg, ...]:
+        support = self.support()
+        return wording.legs_of(support.tails, support.heads, support.x)
+
+    def inequality(self, row: Row) -> Inequality:
+        assert isinstance(row.name, Cut)
+        return wording.cut_in_words(row.name, self.support(), "(2)" if len(row.name.sets) == 1 else "(4)")
+
+    def decision(self, fixing: Fixing) -> Decision:
+        return Decision("x", divmod(fixing.variable, self.nodes), None, fixing.lower, fixing.upper)
+
+    def tours(self, solution: Ints) -> tuple[tuple[int, ...], ...]:
+        return (tuple(solution.tolist()),)
 
 
 @njit(cache=True)

@@ -32,6 +32,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from cutgap.formulations.branch_and_cut import wording
 from cutgap.formulations.branch_and_cut.model import Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.separation import (
     Cut,
@@ -42,6 +43,7 @@ from cutgap.formulations.branch_and_cut.separation import (
 from cutgap.formulations.branch_and_cut.tour import INTEGRALITY
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.arrays import Floats, Ints, difference
+from cutgap.instances.scene import Decision, Inequality, Leg, plan_nodes
 
 Rounding = Callable[[Floats, Plan | None], tuple[float, Plan] | None]
 """Turns the values of z, and a plan if the point is one, into an allowed plan with its value in mm."""
@@ -52,6 +54,8 @@ class TwoHeadsModel(Model):
 
     Variables are numbered z (0..N-1), e (N, N+1), m or d (N+2), then the edges of head 0 and of head 1.
     """
+
+    wording = wording.TWO_HEADS_ROWS
 
     def __init__(self, instance: Instance, rules: Rules, rounding: Rounding) -> None:
         super().__init__()
@@ -239,16 +243,21 @@ class TwoHeadsModel(Model):
     def separate(self, *, thorough: bool) -> int:
         self.forget_slack_rows()
         known = {row.name for row in self.rows}
-        columns = np.flatnonzero((self.variables >= self.first_edge) & (self.solution.x > INTEGRALITY))
-        edges, weight = self.variables[columns] - self.first_edge, self.solution.x[columns]
-        added = 0
-        for head in (0, 1):
-            mine = self.edge_head[edges] == head
-            support = Support(self.holes + 1, self.edge_u[edges][mine], self.edge_v[edges][mine], weight[mine])
-            added += self._separate_connect(head, support, known)
+        added = sum(self._separate_connect(head, self._support(head), known) for head in (0, 1))
         if added == 0 and thorough:
-            added = self._separate_combs(edges, weight, known)
+            added = self._separate_combs(*self._used(), known)
         return added
+
+    def _used(self) -> tuple[Ints, Floats]:
+        """Return the edges that carry weight in the current point, and their weights."""
+        columns = np.flatnonzero((self.variables >= self.first_edge) & (self.solution.x > INTEGRALITY))
+        return self.variables[columns] - self.first_edge, self.solution.x[columns]
+
+    def _support(self, *heads: int) -> Support:
+        """Return the graph of the edges of some heads that carry weight."""
+        edges, weight = self._used()
+        mine = np.isin(self.edge_head[edges], heads)
+        return Support(self.holes + 1, self.edge_u[edges][mine], self.edge_v[edges][mine], weight[mine])
 
     def _separate_connect(self, head: int, support: Support, known: set[object]) -> int:
         z = self.solution.x[: self.holes]
@@ -360,3 +369,39 @@ class TwoHeadsModel(Model):
             Fixing(variable, self.lp.lower[column], at),
             Fixing(variable, at + 1.0, self.lp.upper[column]),
         )
+
+    # For who watches: nodes are those of the instance, where a hole's number is that of its only entry point
+
+    def _nodes(self, head: int) -> Ints:
+        return np.array([*range(self.holes), self.instance.home_node(head)])
+
+    def legs(self) -> tuple[Leg, ...]:
+        legs: tuple[Leg, ...] = ()
+        for head in (0, 1):
+            support, nodes = self._support(head), self._nodes(head)
+            legs += wording.legs_of(nodes[support.tails], nodes[support.heads], support.x, head)
+        return legs
+
+    def inequality(self, row: Row) -> Inequality:
+        if isinstance(row.name, Cut):
+            return wording.cut_in_words(row.name, self._support(0, 1), "(comb)")
+        assert isinstance(row.name, tuple)
+        _, head, hole, members = row.name
+        z = float(self.solution.x[hole])
+        left = self._support(head).cut_value(members)
+        return wording.connect_in_words(head, hole, members, left, z if head == 0 else 1.0 - z)
+
+    def decision(self, fixing: Fixing) -> Decision:
+        variable = fixing.variable
+        if variable < self.holes:
+            return Decision("z", (variable,), None, fixing.lower, fixing.upper)
+        if variable < self.first_edge:
+            return Decision("e", (), variable - self.holes, fixing.lower, fixing.upper)
+        edge = variable - self.first_edge
+        head = int(self.edge_head[edge])
+        nodes = self._nodes(head)
+        ends = int(nodes[self.edge_u[edge]]), int(nodes[self.edge_v[edge]])
+        return Decision("x", ends, head, fixing.lower, fixing.upper)
+
+    def tours(self, solution: Plan) -> tuple[tuple[int, ...], ...]:
+        return plan_nodes(self.instance, solution)

@@ -14,12 +14,14 @@ Sources: Baldacci, Mingozzi, Roberti (2011, 2012) for (1) and (3); Polyak (1969)
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from cutgap.formulations.contour_dp.completion import completions
 from cutgap.formulations.contour_dp.memory import MOST_MEMBERS, Members, Memory, build_memory, start_members
 from cutgap.formulations.contour_dp.passes import backward_pass, best_walk, forward_pass
+from cutgap.formulations.contour_dp.scenes import Passed, PassMaker, states_of
 from cutgap.formulations.contour_dp.walks import Bools, Walks
 from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.process import WORD
@@ -113,7 +115,7 @@ class Climb:
 class Ascent:
     """The rounds over one walk problem; ``limit`` in mm: dearer walks are of no interest."""
 
-    def __init__(self, walks: Walks, limit: float, deadline: float, watch: Callable[[float], None]) -> None:
+    def __init__(self, walks: Walks, limit: float, deadline: float, watch: Callable[[PassMaker], None]) -> None:
         self.walks, self.deadline, self.watch = walks, deadline, watch
         self.found = Relaxed(limit, -np.inf, possible(walks))
         self.members = start_members(walks, START_MEMBERS)
@@ -133,12 +135,11 @@ class Ascent:
         """Improve the prices for one memory; return what the walks of the last steps forgot."""
         found, prices, climb = self.found, self.prices, Climb(self.prices)
         forgotten: list[Forgotten] = []
-        for _ in range(STEPS):
+        for step in range(STEPS):
             bound, walk = self._relax(memory, prices)
             climb.note(bound, prices)
-            if bound > found.bound:
-                found.bound = min(bound, found.limit)
-                self.watch(found.bound)
+            found.bound = max(found.bound, min(bound, found.limit))
+            self.watch(partial(self._passed, step, memory, prices, bound, walk))
             if bound >= found.limit:
                 break
             missed = forgotten_by(self.walks, walk)
@@ -186,6 +187,14 @@ class Ascent:
             completion,
             self.found.limit + float(prices.sum()),
         )
+
+    def _passed(self, step: int, memory: Memory, prices: Floats, bound: float, walk: Ints) -> Passed:
+        """Return what a pass showed to whoever watches; its table is made once more."""
+        text = f"Round {len(self.found.stages) + 1} of memories, step {step + 1} of prices"
+        left = bound < self.found.limit
+        text += ": the best relaxed walk." if left else ": no relaxed walk is left below the limit."
+        states = states_of(self._forward(memory, prices))
+        return Passed(text, self.walks, bound, walk if left else None, prices, memory.members, states)
 
     def _finish(self, memory: Memory, prices: Floats) -> None:
         """Keep the round's stage, and (4)."""

@@ -6,11 +6,13 @@ limit (``ascent``), or when a search left no state out (``search``). A better wa
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from cutgap.formulations.contour_dp.ascent import Ascent
-from cutgap.formulations.contour_dp.search import MOST_CONTOURS, search
+from cutgap.formulations.contour_dp.scenes import Passed, PassMaker
+from cutgap.formulations.contour_dp.search import MOST_CONTOURS, Searched, search
 from cutgap.formulations.contour_dp.walks import Walks
 from cutgap.instances.arrays import Ints
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
@@ -60,9 +62,11 @@ class Closing:
         Whether it is known that no walk is below the limit.
     """
 
-    def __init__(self, walks: Walks, incumbent: Incumbent, deadline: float, watch: Callable[[], None]) -> None:
-        self.walks, self.incumbent, self.deadline = walks, incumbent, deadline
-        self.ascent = Ascent(walks, incumbent.limit, deadline, lambda _: watch())
+    def __init__(
+        self, walks: Walks, incumbent: Incumbent, deadline: float, watch: Callable[[PassMaker], None]
+    ) -> None:
+        self.walks, self.incumbent, self.deadline, self.watch = walks, incumbent, deadline, watch
+        self.ascent = Ascent(walks, incumbent.limit, deadline, watch)
         self.width = FIRST_WIDTH
         self.searched_bound = -np.inf
         self.closed = False
@@ -114,7 +118,16 @@ class Closing:
             found.limit = min(found.limit, self.incumbent.limit)
         self.searched_bound = max(self.searched_bound, min(result.bound, result.cost, found.limit))
         self.closed = result.complete
+        self.watch(partial(self._passed, result))
         return self.closed
+
+    def _passed(self, result: Searched) -> Passed:
+        """Return what a search showed to whoever watches."""
+        stage = self.ascent.found.stages[-1]
+        text = f"Exact search over sets of contours, at most {self.width} states a position: "
+        text += "none was left out, so nothing better exists." if result.complete else "some were left out."
+        prices = np.array(stage.prices)
+        return Passed(text, self.walks, self.bound, result.walk, prices, stage.members, result.layers)
 
     @property
     def stuck(self) -> bool:

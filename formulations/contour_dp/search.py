@@ -35,16 +35,21 @@ class Searched:
         No walk costs less than the least of this, ``cost`` and the limit; infinite if no state was left out.
     cost, walk
         The best walk below the limit that was found; infinite and ``None`` without one.
-    rows, relaxed_rows
-        Number of rows (a set and a last contour) that were kept, and of those of the completion bounds (a
-        memory and a contour at a position).
+    layers, relaxed_rows
+        Number of rows (a set and a last contour) that were kept, for each position, and of those of the
+        completion bounds (a memory and a contour at a position).
     """
 
     bound: float
     cost: float
     walk: Ints | None
-    rows: int
+    layers: tuple[int, ...]
     relaxed_rows: int
+
+    @property
+    def rows(self) -> int:
+        """Number of rows that were kept."""
+        return sum(self.layers)
 
     @property
     def complete(self) -> bool:
@@ -77,8 +82,8 @@ def search(walks: Walks, found: Relaxed, width: int) -> Searched:
         left_out = min(left_out, dropped)
     cost, walk = _best(walks, steps, layers)
     paid = float(prices.sum())
-    rows = sum(len(layer.sets) for layer in layers)
-    return Searched(left_out - paid, cost - paid, walk, rows, relaxed_rows)
+    sizes = tuple(len(layer.sets) for layer in layers)
+    return Searched(left_out - paid, cost - paid, walk, sizes, relaxed_rows)
 
 
 def _member_bits(walks: Walks, memory: Memory) -> Ints:

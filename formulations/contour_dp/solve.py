@@ -3,17 +3,20 @@
 import time
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from cutgap.formulations.contour_dp.closing import Closing, Incumbent
 from cutgap.formulations.contour_dp.proof import contour_certificate
+from cutgap.formulations.contour_dp.scenes import PassMaker, scene_of
 from cutgap.formulations.contour_dp.walks import Walks, walk_problems
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude, evaluate
 from cutgap.instances.arrays import Ints
 from cutgap.instances.check import require_coordinates
 from cutgap.instances.entry_tours import EntrySearch, entry_task
 from cutgap.instances.progress import Progress, Watch, nobody
+from cutgap.instances.scene import Scene, plan_nodes
 
 NAME = "contour-dp"
 
@@ -165,13 +168,18 @@ class ContourSearch:
                     best = plan, evaluation.total_travel_mm + backward
         return best
 
-    def _report(self) -> None:
+    def _report(self, passed: PassMaker | None = None) -> None:
         """Tell the watch, and turn a better walk into a plan."""
         if self.incumbent.best is not None:
             self.plan = plan_of(*self.incumbent.best)
         value = self.objective(self.incumbent.cost) if self.plan is not None else None
         bound = self.objective(self.bound) if np.isfinite(self.bound) else None
-        self.watch(Progress(time.perf_counter() - self.begun, value, bound))
+        scene = None if passed is None else partial(self._scene, passed)
+        self.watch(Progress(time.perf_counter() - self.begun, value, bound, scene=scene))
+
+    def _scene(self, passed: PassMaker) -> Scene:
+        best = None if self.plan is None else plan_nodes(self.instance, self.plan)
+        return scene_of(self.instance, passed(), best).with_bounds(self.objective)
 
 
 def plan_of(walks: Walks, walk: Ints) -> Plan:

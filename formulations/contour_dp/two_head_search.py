@@ -233,7 +233,7 @@ class TwoHeadSearch:
         """Return the walk problem of a region, which begins with what was learned from its parent."""
         walks = switch_walks(self.instance, self.division, cell.region, self.price)
         step = length_step([walks]) if self.rules.objective == "travel" else 0.0
-        closing = Closing(walks, Judge(self, step), self.deadline, self._report)
+        closing = Closing(walks, Judge(self, step), self.deadline, lambda _: self._report())
         parent = cell.parent
         if parent is not None and parent.closing is not None:
             _inherit(closing.ascent, parent.closing.ascent, self._kept(cell.region, parent.region))

@@ -134,7 +134,7 @@ class LazySearch:
         """Work on the walk problem of a round until it is closed, or the time is over."""
         run = self.run
         incumbent = Incumbent(np.inf if run.best is None else run.internal(run.best), 0.0)
-        closing = Closing(problem, incumbent, run.deadline, run.report)
+        closing = Closing(problem, incumbent, run.deadline, lambda _: run.report())
         if prices is not None:
             closing.ascent.prices = prices
         while not closing.closed and not closing.stuck and not run.is_over:
