@@ -30,6 +30,7 @@ COMMANDS = {
     "ladder": ("cutgap.views.ladder:ladder", "Show the bounds of all formulations on one instance."),
     "generate": ("cutgap.views.files:generate", "Draw a random instance of a reference experiment."),
     "convert": ("cutgap.views.files:convert", "Write an instance in another format."),
+    "play": ("cutgap.views.playing:play", "Write a page to step through the run of an exact method."),
     "plot": ("cutgap.views.drawing:plot", "Draw an instance, or a plan for it, from above."),
 }
 for order, (name, (function, summary)) in enumerate(COMMANDS.items()):
