@@ -188,7 +188,7 @@ class SplitSearch:
         bound = self.bound(cell.left, cell.right, cell.free)
         if bound > cell.bound:
             heapq.heapreplace(self.heap, Cell(bound, cell.number, cell.left, cell.right, cell.free))
-            self._report(cell, lambda: moved(cell, "what other thresholds proved raises its bound."))
+            self._report(cell, lambda: moved(cell, "its bound rises by what other thresholds proved."))
             return True
         if cell.free and not self._is_loose(cell):
             heapq.heappop(self.heap)

@@ -65,9 +65,8 @@ function rowItem(row, index) {
 
 function drawRows(step) {
   const rows = rowsOf(step), scrolled = byId("rows").scrollTop;
-  byId("rows-part").hidden = !shows("branch");
-  const new_ = rows.length && rows[0].left !== null;
-  byId("rows-title").textContent = !rows.length ? "No new rows in this step" : new_ ? `New cuts (${rows.length}); choose one to see its set` : "Rows of the model";
+  const cuts = rows.length && rows[0].left !== null;
+  byId("rows-title").textContent = !rows.length ? "No new rows in this step" : cuts ? `New cuts (${rows.length}); choose one to see its set` : "Rows of the model";
   byId("rows").replaceChildren(...rows.map(rowItem));
   byId("rows").scrollTop = scrolled;
 }
@@ -142,10 +141,11 @@ function legend(id, entries) {
 
 function legends() {
   const edge = value => sample({ class: "edge head-0", ...lineOf(value) });
-  const entries = [[edge(1), "1"], [edge(0.6), "from 1/2"], [edge(0.25), "below 1/2"]];
+  const entries = [[edge(1), "edge of value 1"], [edge(0.6), "at least 1/2"], [edge(0.25), "below 1/2"]];
   const bar = sample({ class: "edge head-1", d: "M1,7H33M17,1V13", "stroke-width": 2.5 }, "path");
   if (run.instance.homes.length > 1) entries.push([bar, "second head (bar, squares)"]);
-  if (shows("visits")) entries.splice(1, 2, [sample({ class: "edge head-0", ...lineOf(2) }), "made twice"]);
+  if (shows("visits")) entries.splice(0, 3, [edge(1), "made once"], [edge(2), "more often"]);
+  if (shows("owners")) entries.splice(0, 3, [edge(1), "best tour known"]);
   legend("legend", entries);
   legend("chart-legend", [[sample({ class: "line-value" }), "best plan"], [sample({ class: "line-lower" }), "proved bound"], [sample({ class: "line-here" }), run.here]]);
   legend("tree-legend", Object.entries(STATES).map(([state, text]) => [sample({ class: "node " + state, d: SHAPES[state], transform: "translate(17,7) scale(.9)" }, "path"), text]));
@@ -167,12 +167,13 @@ run.here = shows("thresholds") ? "bound at this threshold" : shows("states") ? "
 byId("slider").max = steps.length - 1;
 byId("thresholds-part").hidden = !shows("thresholds");
 byId("states-part").hidden = !shows("states");
+byId("rows-part").hidden = !steps.some(step => step.rows.length);
 byId("tree-part").hidden = !tree;
 byId("tree-note").textContent = run.tree_left_out ? `${run.tree_left_out} later nodes are not drawn.` : "";
 byId("rule").textContent = run.stride > 1
   ? `The run had ${run.events} events; shown are the first ${run.first}, of the later ones each ${run.stride}th, all that found a better plan, and the last.`
   : `All ${run.events} events of the run are shown.`;
-byId("readout").textContent = "Point at or tap an edge or a contour for its numbers.";
+byId("readout").textContent = "Point at or tap an edge or a contour for its numbers" + (shows("memories") ? ", and for what a contour remembers." : ".");
 byId("slider").addEventListener("input", () => { pause(); go(Number(byId("slider").value)); });
 for (const [id, key] of [["first", "Home"], ["back", "ArrowLeft"], ["next", "ArrowRight"], ["last", "End"]]) {
   byId(id).addEventListener("click", () => { pause(); MOVES[key](); });

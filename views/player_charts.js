@@ -125,6 +125,8 @@ const SHAPES = {
 };
 const STATES = { open: "open", divided: "divided in two", bound: "closed by its bound", infeasible: "nothing allowed", solution: "closed by a solution" };
 
+const LEVEL = 26; // pixels from a node to its children
+
 class Tree {
   constructor(svg, nodes, say) {
     Object.assign(this, { svg, nodes, marks: new Map() });
@@ -161,11 +163,11 @@ class Tree {
   }
 
   fit(room) {
-    const gap = Math.max(18, (room - 30) / this.leaves), width = 30 + gap * this.leaves, height = 30 + 34 * this.deepest + 16;
+    const gap = Math.max(18, (room - 30) / this.leaves), width = 30 + gap * this.leaves, height = 40 + LEVEL * this.deepest;
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.svg.style.width = width + "px";
     this.svg.style.height = height + "px";
-    for (const node of Object.values(this.nodes)) Object.assign(node, { px: 15 + gap * (node.at + 0.5), py: 18 + 34 * node.depth });
+    for (const node of Object.values(this.nodes)) Object.assign(node, { px: 15 + gap * (node.at + 0.5), py: 18 + LEVEL * node.depth });
     for (const node of Object.values(this.nodes)) {
       node.mark.setAttribute("transform", `translate(${node.px},${node.py})`);
       const above = this.nodes[node.parent];
@@ -188,5 +190,6 @@ class Tree {
     this.ring.setAttribute("cx", current.px);
     this.ring.setAttribute("cy", current.py);
     scroll.scrollLeft = current.px - scroll.clientWidth / 2;
+    scroll.scrollTop = current.py - scroll.clientHeight / 2;
   }
 }

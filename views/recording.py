@@ -99,11 +99,11 @@ class Recorder:
 
     def _decision(self, decision: Decision) -> str:
         """Return a decision as text, places by their names."""
-        places = [*(self._names[node] for node in decision.nodes)]
-        places += [] if decision.head is None else [f"head {decision.head + 1}"]
+        places = ", ".join(self._names[node] for node in decision.nodes)
+        symbol = decision.symbol + ("" if decision.head is None else "⁰¹"[decision.head])
         sign, limit = ("≥", decision.lower) if decision.lower > 0.0 else ("≤", decision.upper)
         sign = "=" if decision.lower == decision.upper else sign
-        return f"{decision.symbol}({', '.join(places)}) {sign} {limit:g}"
+        return f"{symbol}({places}) {sign} {limit:g}" if places else f"{symbol} {sign} {limit:g}"
 
     def document(self) -> Json:
         """Return steps, tree, and by which rule steps were left out."""

@@ -33,7 +33,7 @@ TWO_HEADS_ROWS: Mapping[str, Family] = {
 SUBTOUR = "A tour comes into every set S of nodes and out again: it crosses the border of S at least twice."
 BLOSSOM = "A tour crosses the border of H an even number of times, so not by the odd number of teeth alone."
 COMB = "A tour that visits the handle H and an odd number of teeth crosses their borders so often at least."
-CONNECT = "If head {head} cuts hole i, its tour comes into S and out again."
+CONNECT = "If the {head} head cuts hole i, its tour comes into S and out again."
 PASSES = "Where a tour passes S and passes its outside, it crosses the border of S twice."
 GENERALIZED_COMB = "As a comb; a tooth counts in full when the tour passes both its part in H and its rest."
 
@@ -76,7 +76,12 @@ def connect_in_words(head: int, hole: int, members: frozenset[int], left: float,
     superscript = "⁰¹"[head]
     symbols = f"x{superscript}(δ(S)) ≥ 2 z{superscript}_i"
     return Inequality(
-        f"(connect {head} i S) subtour of one head", symbols, CONNECT.format(head=head), sets, left, 2.0 * share
+        f"(connect {head} i S) subtour of one head",
+        symbols,
+        CONNECT.format(head=("first", "second")[head]),
+        sets,
+        left,
+        2.0 * share,
     )
 
 
