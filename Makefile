@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 SUITE ?= table1
+CHROMIUM := /usr/bin/chromium
 FOLDERS := benchmark formulations heuristics instances views
 
 .PHONY: gaps test typing-links clean
@@ -10,7 +11,7 @@ FOLDERS := benchmark formulations heuristics instances views
 gaps: $(VENV)/installed
 	$(BIN)/cutgap gaps $(SUITE) --resume
 
-test: $(VENV)/installed typing-links
+test: $(VENV)/installed typing-links $(CHROMIUM)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -21,6 +22,11 @@ $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --editable '.[test,cluster]'
 	touch $@
+
+# Pages are tested in a browser; Debian's, which needs no download of its own.
+$(CHROMIUM):
+	apt-get update -qq
+	apt-get install -y -qq --no-install-recommends chromium
 
 # mypy does not follow setuptools' folder mapping, so it reads the tree through links.
 typing-links:
