@@ -144,7 +144,10 @@ function legends() {
   const entries = [[edge(1), "edge of value 1"], [edge(0.6), "at least 1/2"], [edge(0.25), "below 1/2"]];
   const bar = sample({ class: "edge head-1", d: "M1,7H33M17,1V13", "stroke-width": 2.5 }, "path");
   if (run.instance.homes.length > 1) entries.push([bar, "second head (bar, squares)"]);
-  if (shows("visits")) entries.splice(0, 3, [edge(1), "made once"], [edge(2), "more often"]);
+  if (shows("visits")) {
+    const hollow = sample({ class: "contour open", cx: 17, cy: 7, r: 5 }, "circle");
+    entries.splice(0, 3, [edge(1), "made once"], [edge(2), "more often"], [hollow, "not visited (0×)"]);
+  }
   if (shows("owners")) entries.splice(0, 3, [edge(1), "best tour known"]);
   legend("legend", entries);
   legend("chart-legend", [[sample({ class: "line-value" }), "best plan"], [sample({ class: "line-lower" }), "proved bound"], [sample({ class: "line-here" }), run.here]]);

@@ -2,7 +2,8 @@
 
 A step is the state after an event. Only so many are kept: of the first ``FIRST`` events all, of the later ones
 each k-th, with k the least power of two for which they are ``MOST`` at most and the text of all has ``BYTES``
-at most; events with a new incumbent and the last one always stay.
+at most; where the first ones alone have more, the half of them, and so on. Events with a new incumbent and the
+last one always stay.
 
 Written are differences: a field that a step does not have is as in the step before.
 """
@@ -44,7 +45,7 @@ class Recorder:
         self._instance = instance
         self._state: Json = {}
         self._steps: list[Json] = []
-        self._stride = 1
+        self._first, self._stride = FIRST, 1
         self._tree: dict[int, Json] = {}
 
     @property
@@ -66,25 +67,31 @@ class Recorder:
         best = plan_nodes(self._instance, result.plan) if result.plan is not None and allowed else None
         value = result.value if allowed else None
         self._add(Scene(_ending(result), legs=(), best=best), result.seconds, value, result.lower_bound)
-        self._state["stays"] = True
+        self._state["stays"] = True  # the step that was added holds the same dictionary
 
     def _add(self, scene: Scene, seconds: float, value: float | None, bound: float | None) -> None:
         before = self._state.get("value")
         figures = {"seconds": round(seconds, 3), "value": figure(value), "lower": figure(bound)}
         self._state = {**self._state, **PASSING, **_fields(scene), **figures, "at": self._events}
-        self._state["stays"] = self._state["value"] != before or self._state["at"] < FIRST
+        self._state["stays"] = self._state["value"] != before
         if self._steps and not self._kept(self._steps[-1]):
             self._steps.pop()
         self._steps.append(self._state)
-        if sum(not step["stays"] for step in self._steps) > MOST:
+        if sum(not step["stays"] for step in self._steps) > self._first + MOST:
             self._thin()
 
     def _kept(self, step: Json) -> bool:
-        return step["stays"] or step["at"] % self._stride == 0
+        return step["stays"] or step["at"] < self._first or step["at"] % self._stride == 0
 
     def _thin(self) -> None:
-        """Keep every other one of the later steps; the last step stays for now, whatever it is."""
-        self._stride *= 2
+        """Keep every other one of the later steps, or half as many first ones once no later one is left.
+
+        The last step stays for now, whatever it is.
+        """
+        if self._stride < self._events:
+            self._stride *= 2
+        else:
+            self._first //= 2
         self._steps = [step for step in self._steps[:-1] if self._kept(step)] + self._steps[-1:]
 
     def _grow(self, branch: Branch) -> None:
@@ -108,7 +115,7 @@ class Recorder:
     def document(self) -> Json:
         """Return steps, tree, and by which rule steps were left out."""
         steps = differences(self._steps)
-        while len(json.dumps(steps)) > BYTES and self._stride < self._events:
+        while len(json.dumps(steps)) > BYTES and self._first > 0:
             self._thin()
             steps = differences(self._steps)
         tree = dict(sorted(self._tree.items(), key=lambda item: item[1]["history"][0][0])[:TREE])
@@ -117,7 +124,7 @@ class Recorder:
             "tree": tree,
             "events": self._events,
             "stride": self._stride,
-            "first": FIRST,
+            "first": self._first,
             "tree_left_out": len(self._tree) - len(tree),
         }
 

@@ -89,17 +89,19 @@ def test_a_long_run_keeps_the_steps_that_the_page_says(instance):
     assert MOST / 2 - 10 <= later <= MOST + 10
 
 
-def test_a_long_run_stays_below_the_size(instance):
-    legs = [Leg(i, j, (i + j) / 7, 0) for i in range(6) for j in range(6)] * 10
+@pytest.mark.parametrize("size", [400, 2000])
+def test_a_long_run_stays_below_the_size(instance, size):
+    legs = [Leg(i % 6, i % 5, 0.5, 0) for i in range(size)]
     rng = np.random.default_rng(1)
 
     def shown(number):
         return tuple(Leg(leg.start, leg.end, float(rng.random())) for leg in legs)
 
-    document = record(instance, 500, shown)
+    document = record(instance, 300, shown)
     assert len(json.dumps(document["steps"])) <= BYTES
     assert document["steps"][0]["at"] == 0
     assert document["stride"] > 1
+    assert (document["first"] < FIRST) == (size == 2000)
 
 
 def test_differences_restore_the_steps():
