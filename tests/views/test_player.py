@@ -89,7 +89,7 @@ def test_a_long_run_keeps_the_steps_that_the_page_says(instance):
     assert MOST / 2 - 10 <= later <= MOST + 10
 
 
-@pytest.mark.parametrize("size", [300, 1200])
+@pytest.mark.parametrize("size", [500, 1200])
 def test_a_long_run_stays_below_the_size(instance, size):
     legs = [Leg(i % 6, i % 5, 0.5, 0) for i in range(size)]
     rng = np.random.default_rng(1)
