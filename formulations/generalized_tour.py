@@ -61,7 +61,8 @@ def solve_generalized_tour(
         return length / speed + service if rules.objective == "makespan" else length
 
     def report(state: Progress) -> None:
-        watch(state.seen_as(lambda length: objective(max(0.0, length))))
+        seen = state.seen_as(lambda length: objective(max(0.0, length)))
+        watch(_without_plan(seen) if instance.precedence or rules.process else seen)
 
     outcome = Outcome(0.0, 0.0, np.arange(len(first) - 1), True, 0)  # at most one place to be
     if len(first) > 2:
@@ -86,6 +87,13 @@ def solve_generalized_tour(
         reason=None if outcome.complete else "stopped early",
     )
     return replace(result, certificate=_certificate(instance, rules, outcome, result)) if certify else result
+
+
+def _without_plan(progress: Progress) -> Progress:
+    """Return the event without the tour, which rules on order may forbid."""
+    make = progress.scene
+    scene = None if make is None else lambda: replace(make(), best=None)
+    return replace(progress, value=None, scene=scene)
 
 
 def _require(instance: Instance, rules: Rules) -> None:

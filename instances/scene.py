@@ -83,7 +83,8 @@ class Threshold:
 class Pass:
     """A pass of the dynamic programme; all but ``states`` (kept, for each position) by contour.
 
-    ``prices`` in mm; ``memories`` holds the contours that a walk standing at each one may remember.
+    ``prices`` in mm; ``visits`` is empty when no walk is shown; ``memories`` holds the contours that a walk
+    standing at each one may remember.
     """
 
     prices: tuple[float, ...]

@@ -44,8 +44,15 @@ function drawFigures(step) {
   }));
 }
 
+// A contour of which all entry points are in a set is named once.
+function namesOf(members) {
+  const { names, contours, contour_of } = run.instance;
+  const whole = node => members.filter(other => contour_of[other] === contour_of[node]).length === contour_of.filter(c => c === contour_of[node]).length;
+  return [...new Set(members.map(node => (node < contour_of.length && whole(node) ? contours[contour_of[node]] : names[node])))].join(", ");
+}
+
 function setsOf(row) {
-  return row.sets.map(([name, members]) => `${name} = {${members.map(node => run.instance.names[node]).join(", ")}}`).join("; ");
+  return row.sets.map(([name, members]) => `${name} = {${namesOf(members)}}`).join("; ");
 }
 
 function rowItem(row, index) {

@@ -135,7 +135,7 @@ class Picture {
     const several = contour_of.length > contours.length;
     contour_of.forEach((contour, node) => {
       const [x, y] = this.at(node), owner = step.owners ? step.owners[contour] : null;
-      const visits = step.visits ? step.visits[contour] : 1;
+      const visits = step.visits && step.visits.length ? step.visits[contour] : 1;
       const kind = owner === 0 ? " left" : owner === 1 ? " right" : owner === -1 || visits === 0 ? " open" : "";
       const r = several ? 3 : 4.5;
       const shape = owner === 1

@@ -191,10 +191,11 @@ class BranchAndCut:
     def _report(self, node: Node, event: Event, added: int = 0) -> None:
         """Tell the watch what happened at a node."""
         value = None if self.incumbent is None else self.incumbent[0]
-        bound = self.lower_bound if np.isfinite(self.lower_bound) else None
+        bound = self.lower_bound
         message = f"{self.nodes} nodes, {len(self.open)} open"
         scene = partial(scene_of, self, node, event, added)
-        self.watch(Progress(time.perf_counter() - self.started, value, bound, message, scene))
+        seconds = time.perf_counter() - self.started
+        self.watch(Progress(seconds, value, bound if np.isfinite(bound) else None, message, scene))
 
     def _branch(self, node: Node) -> None:
         """Push the node's two children, or close it when its point is a solution."""

@@ -49,7 +49,8 @@ def scene_of(instance: Instance, passed: Passed, best: tuple[tuple[int, ...], ..
     if passed.walk is not None:
         np.add.at(visits, walks.contours[walks.contour_of[passed.walk]], 1)
         legs = _legs(instance, walks, passed.walk)
-    dp = Pass(tuple(prices.tolist()), tuple(visits.tolist()), tuple(memories), passed.states)
+    counts = () if passed.walk is None else tuple(visits.tolist())
+    dp = Pass(tuple(prices.tolist()), counts, tuple(memories), passed.states)
     return Scene(passed.text, bound=passed.bound, legs=legs, best=best, dp=dp)
 
 

@@ -11,7 +11,6 @@ from cutgap.views.cli import main
 DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
 LARGEST = 2_000_000
 QUICK_MS = 1000
-LONGEST_RUN = "5"
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +23,7 @@ def pages(tmp_path_factory):
     runs = {
         "tour": (one, []),
         "split": (whole, []),
-        "free": (whole, ["--overlap", "--time-limit", LONGEST_RUN]),
+        "free": (whole, ["--method", "free"]),
         "contour-dp": (few, ["--method", "contour-dp"]),
     }
     for name, (instance, options) in runs.items():

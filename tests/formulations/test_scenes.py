@@ -201,3 +201,12 @@ def test_passes_show_the_walk_that_they_count():
         if "Exact" not in scene.text:
             assert travel + paid == pytest.approx(scene.bound, rel=1e-9)
     assert evaluate(instance, solve(instance, Rules("travel")).plan).total_travel_mm >= passes[-1].bound - SLACK
+
+
+def test_a_tour_that_rules_on_order_may_forbid_is_no_plan():
+    instance = random_instance(np.random.default_rng(51), 6, layout="uniform", heads=1, precedence=0.4)
+    _, events = observed(instance, Rules(), "gtsp")
+    assert events
+    assert all(progress.value is None and scene.best is None for progress, scene in events)
+    optimum = brute_force(instance, Rules()).value
+    assert all(p.lower_bound <= optimum + SLACK for p, _ in events if p.lower_bound is not None)
