@@ -38,6 +38,13 @@ def _solve_perspective(instance: Instance, rules: Rules, **options: Any) -> Resu
     return solve_perspective(instance, rules, **options)
 
 
+def _solve_links(instance: Instance, rules: Rules, **options: Any) -> Result:
+    """Load the kernels for links when they are asked for."""
+    from cutgap.formulations.links.solve import solve_links
+
+    return solve_links(instance, rules, **options)
+
+
 METHODS: dict[str, Callable[..., Result]] = {
     "tour": solve_tour,
     "contour-dp": solve_contours,
@@ -49,6 +56,7 @@ METHODS: dict[str, Callable[..., Result]] = {
     "regions": _solve_regions,
     "perspective": _solve_perspective,
     "heat": solve_heat,
+    "links": _solve_links,
 }
 """Exact methods by name; ``auto`` takes CP-SAT, whose bounds are claims, only where no other one applies."""
 
@@ -58,6 +66,9 @@ FREE_ENTRIES = ("regions", "perspective")
 
 HEAT = ("heat",)
 """Methods that know temperatures."""
+
+LINKS = ("links",)
+"""Methods that join contours by links."""
 
 
 class Choice(NamedTuple):
@@ -82,6 +93,8 @@ def choose(instance: Instance, rules: Rules) -> Choice:
     """Return the most special exact method that applies, and why."""
     if rules.free_entries:
         return Choice("regions", "contours that are entered anywhere in their regions")
+    if rules.links:
+        return Choice("links", "contours may be joined by links")
     if rules.speaks_of_heat:
         return Choice("heat", "temperatures are asked for")
     return _for_one_head(instance, rules) if len(instance.heads) == 1 else _for_more_heads(instance, rules)
@@ -140,8 +153,10 @@ def resolve(method: str, instance: Instance, rules: Rules) -> str:
             f"method {name}: its bound holds for given entry points, not for free entries; "
             f"take {' or '.join(FREE_ENTRIES)}"
         )
-    if rules.links:
-        raise ValueError(f"method {name}: pierces each contour, its bound does not hold with links")
+    if rules.links and name not in LINKS:
+        raise ValueError(
+            f"method {name}: pierces each contour, its bound does not hold with links; take {' or '.join(LINKS)}"
+        )
     if rules.speaks_of_heat and name not in HEAT:
         raise ValueError(f"method {name}: does not know temperatures; take {' or '.join(HEAT)}")
     return name

@@ -1,0 +1,157 @@
+r"""Rows of the model of links, by what names them; proofs are in ``docs/certificates.md``.
+
+    s_e    link or rapid e is passed once          d_ij   contours i, j (or i and the home) are joined twice
+    W      a set of contours; T a tree of links that joins them; ends(W) rapid ends at contours of W
+
+    (1) home       s(delta(home)) + 2 d(delta(home)) = 2
+    (2) partition  s(delta(P)) + k / (k - 1) d(delta(P)) >= k       P parts the places into k >= 2 sets
+    (3) parity     s(delta(T) \ F) - s(F) >= 1 - |F|                T a set of nodes, F odd, within delta(T)
+    (4) pierces    sum of s over rapids between contours <= most pierces - 1
+    (5) group      ends(W) + 2 sum of (s_e + d_e) over e in T <= 2 |W|
+
+(2) with k = 2 says that each set of contours is left twice; for all k it says that a tree of d alone needs
+k - 1 of them and a circle of s alone k. It is stronger than either (d counts double, a tree has k - 1 edges).
+(3) says that each node set is passed an even number of times. (5) says that a group has two rapid ends: the
+used links of a tree make |W| - (their number) groups.
+"""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutgap.formulations.branch_and_cut.model import Row
+from cutgap.instances.arrays import Floats, Ints
+
+LINK, RAPID, DOUBLE = 0, 1, 2
+"""Kinds of variables: s of links, s of rapids, d."""
+
+Pair = tuple[int, int]
+Edge = tuple[int, int, int]
+"""Kind, and its ends: nodes, or places for ``DOUBLE``, in ascending order."""
+
+HOME = ("home",)
+PIERCES = ("pierces",)
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """Variables by kind and ends; ``places`` and ``others`` are the places of the ends."""
+
+    kinds: Ints
+    tails: Ints
+    heads: Ints
+    places: Ints
+    others: Ints
+
+    @classmethod
+    def of(cls, edges: list[Edge], place_of: Ints) -> "Columns":
+        """Build the columns of some edges."""
+        kinds, tails, heads = np.array(edges, dtype=np.int64).reshape(-1, 3).T
+        double = kinds == DOUBLE
+        sides = (np.where(double, end, place_of[np.where(double, 0, end)]) for end in (tails, heads))
+        return cls(kinds, tails, heads, *sides)
+
+    def edges(self) -> list[Edge]:
+        """Return kind and ends of each."""
+        return list(zip(self.kinds.tolist(), self.tails.tolist(), self.heads.tolist(), strict=True))
+
+    def __add__(self, other: "Columns") -> "Columns":
+        pairs = ((getattr(self, name), getattr(other, name)) for name in self.__slots__)
+        return Columns(*(np.concatenate(pair) for pair in pairs))
+
+    def __len__(self) -> int:
+        return len(self.kinds)
+
+
+@dataclass(frozen=True, slots=True)
+class Partition:
+    """(2) for parts of contours; all other places, the home among them, are the last part."""
+
+    parts: tuple[frozenset[int], ...]
+
+    @property
+    def count(self) -> int:
+        """The number k of parts."""
+        return len(self.parts) + 1
+
+    @property
+    def row(self) -> Row:
+        """The row without its coefficients."""
+        return Row(self, float(self.count))
+
+    def labels(self, places: int) -> Ints:
+        """Return the part of each place."""
+        label = np.full(places, len(self.parts), dtype=np.int64)
+        for number, part in enumerate(self.parts):
+            label[list(part)] = number
+        return label
+
+    def coefficients(self, columns: Columns, places: int) -> Floats:
+        """Return the coefficients of columns, among so many places."""
+        label = self.labels(places)
+        across = label[columns.places] != label[columns.others]
+        ratio = self.count / (self.count - 1)
+        return np.where(across, np.where(columns.kinds == DOUBLE, ratio, 1.0), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Parity:
+    """(3) for a set of nodes and an odd set of edges between it and the rest."""
+
+    nodes: frozenset[int]
+    odd: frozenset[Edge]
+
+    @property
+    def row(self) -> Row:
+        """The row without its coefficients."""
+        return Row(self, 1.0 - len(self.odd))
+
+    def coefficients(self, columns: Columns) -> Floats:
+        """Return the coefficients of columns."""
+        inside = np.isin(columns.tails, list(self.nodes)) != np.isin(columns.heads, list(self.nodes))
+        values = np.where(inside & (columns.kinds != DOUBLE), 1.0, 0.0)
+        for kind, tail, head in self.odd:
+            values[(columns.kinds == kind) & (columns.tails == tail) & (columns.heads == head)] = -1.0
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """(5) for contours and a tree of links that joins them; ``joints`` are the contours that these join."""
+
+    contours: frozenset[int]
+    tree: frozenset[Pair] = frozenset()
+    joints: frozenset[Pair] = frozenset()
+
+    @property
+    def row(self) -> Row:
+        """The row without its coefficients."""
+        return Row(self, -2.0 * len(self.contours))
+
+    def coefficients(self, columns: Columns, home: int) -> Floats:
+        """Return the coefficients of columns; ``home`` is the home's place."""
+        members = list(self.contours)
+        ends = np.isin(columns.places, members).astype(np.float64) + np.isin(columns.others, members)
+        values = np.where(columns.kinds == RAPID, -ends, 0.0)
+        values[(columns.kinds == DOUBLE) & (columns.others == home)] = (
+            -2.0 * ends[(columns.kinds == DOUBLE) & (columns.others == home)]
+        )
+        for kind, pairs in ((LINK, self.tree), (DOUBLE, self.joints)):
+            for tail, head in pairs:
+                values[(columns.kinds == kind) & (columns.tails == tail) & (columns.heads == head)] = -2.0
+        return values
+
+
+def coefficients(name: Hashable, columns: Columns, home: int) -> Floats:
+    """Return the coefficients of columns in a row; ``home`` is the home's place."""
+    if isinstance(name, Partition):
+        return name.coefficients(columns, home + 1)
+    if isinstance(name, Parity):
+        return name.coefficients(columns)
+    if isinstance(name, Group):
+        return name.coefficients(columns, home)
+    at_home = columns.others == home
+    if name == HOME:
+        return np.where(at_home, np.where(columns.kinds == DOUBLE, 2.0, 1.0), 0.0)
+    return np.where((columns.kinds == RAPID) & ~at_home, -1.0, 0.0)
