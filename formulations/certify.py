@@ -52,10 +52,13 @@ def certificate_of(
         Takes a margin in mm and returns the integer bound and the proof.
     """
     document = format_instance(instance)
-    visits = None
+    visits: Any = None
     if plan is not None:
         ids = [contour.id for contour in instance.contours]
         visits = [[[ids[c], e] if p is None else [ids[c], e, [*p]] for c, e, p in tour] for tour in plan.tours]
+        if rules.links:
+            links = [[ids[a], e, ids[b], f, passes] for a, e, b, f, passes in plan.links]
+            visits = {"tours": visits, "links": links}
     for margin in MARGINS_MM:
         bound, proof = claim(margin)
         certificate = {

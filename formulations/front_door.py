@@ -155,7 +155,8 @@ def resolve(method: str, instance: Instance, rules: Rules) -> str:
         )
     if rules.links and name not in LINKS:
         raise ValueError(
-            f"method {name}: pierces each contour, its bound does not hold with links; take {' or '.join(LINKS)}"
+            f"method {name}: pierces each contour, its bound does not hold with links; "
+            f"take {' or '.join(LINKS)}"
         )
     if rules.speaks_of_heat and name not in HEAT:
         raise ValueError(f"method {name}: does not know temperatures; take {' or '.join(HEAT)}")

@@ -3,13 +3,15 @@
     {"format": "cutgap-certificate", "version": 1, "instance": hash, "rules": {...}, "scale": s,
      "multiplier_scale": K, "bound": B, "plan": null | [[[id, entry], ...] per head], "proof": {"kind": ...}}
 
-With free entries a visit of the plan may be [id, entry, [x, y, z]].
+With free entries a visit of the plan may be [id, entry, [x, y, z]]. With links the plan is an object: {"tours":
+as above, "links": [[id, entry, id, entry, passes], ...]}.
 
 The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
 head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with precedence and process rules),
 ``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``compact`` (any problem, by
-multipliers of the rows of a compact model); with free entries ``regions`` and ``perspective`` (one head).
+multipliers of the rows of a compact model); with free entries ``regions`` and ``perspective`` (one head); with
+links ``links`` (one head).
 """
 
 from dataclasses import dataclass
@@ -20,6 +22,8 @@ from typing import Any
 from cutgap.formulations.certificate.compact import check_compact
 from cutgap.formulations.certificate.contour_dp import check_contours
 from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
+from cutgap.formulations.certificate.link_plan import linked_plan_value
+from cutgap.formulations.certificate.links import check_links
 from cutgap.formulations.certificate.perspective import perspective_length
 from cutgap.formulations.certificate.plan import plan_value
 from cutgap.formulations.certificate.problem import Problem, problem_of
@@ -119,7 +123,8 @@ def verify(
     unit = "s" if stated.objective == "makespan" else "mm"
     divisor = scale * problem.v_jump if unit == "s" else Fraction(scale)
     proved = None if bound is None else bound / divisor
-    value = None if table["plan"] is None else plan_value(problem, stated, table["plan"])
+    valued = linked_plan_value if stated.links else plan_value
+    value = None if table["plan"] is None else valued(problem, stated, table["plan"])
     if value is not None:
         require(proved is not None, "plan: one is allowed, though the certificate claims that none is")
         require(value >= (proved or 0), "plan: it is below the proved bound; the proof rules contradict it")
@@ -131,15 +136,7 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
     multiplier_scale = integer(table["multiplier_scale"], "multiplier_scale", least=1)
     proof, budget = table["proof"], Budget()
     require(isinstance(proof, dict), "proof: expected an object")
-    # What holds for given entry points says nothing about a plan that chooses its own.
-    free = proof.get("kind") in FREE_ENTRIES
-    asked = "free" if rules.free_entries else "given"
-    require(rules.free_entries == free, f"proof: {show(proof.get('kind'))} is no kind for {asked} entries")
-    linked = proof.get("kind") == "links"
-    asked = "with" if rules.links else "without"
-    require(rules.links == linked, f"proof: {show(proof.get('kind'))} is no kind for rules {asked} links")
-    if proof.get("kind") in ("tour", "split", "two-heads"):
-        problem.require_plain(proof["kind"])
+    linked = _require_kind(problem, rules, proof.get("kind"))
     if proof.get("kind") == "gtsp":
         _check_generalized(problem, rules, proof, (scale, multiplier_scale), bound, budget)
     elif proof.get("kind") == "tour":
@@ -171,10 +168,26 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
         worth = (bound or 0) - (floor(work) if rules.objective == "makespan" else 0)
         check_contours(problem, rules, proof, worth, scale, budget)
+    elif linked:
+        check_links(problem, rules, proof, (scale, multiplier_scale), bound, budget)
     elif proof.get("kind") == "compact":
         check_compact(problem, rules, proof, (scale, multiplier_scale), bound, budget)
     else:
         raise Refused(f"proof: no kind {show(proof.get('kind'))}")
+
+
+def _require_kind(problem: Problem, rules: Rules, kind: Any) -> bool:
+    """Refuse kinds that say nothing about rules that allow more plans; return whether they allow links."""
+    # What holds for given entry points says nothing about a plan that chooses its own.
+    free = kind in FREE_ENTRIES
+    asked = "free" if rules.free_entries else "given"
+    require(rules.free_entries == free, f"proof: {show(kind)} is no kind for {asked} entries")
+    linked = kind == "links"
+    asked = "with" if rules.links else "without"
+    require(rules.links == linked, f"proof: {show(kind)} is no kind for rules {asked} links")
+    if kind in ("tour", "split", "two-heads"):
+        problem.require_plain(kind)
+    return linked
 
 
 def _length_of(problem: Problem, rules: Rules, scale: int, bound: int) -> Fraction:

@@ -78,6 +78,8 @@ class Problem:
     xs: tuple[Fraction, ...]
     seconds: tuple[Fraction, ...]
     v_jump: Fraction
+    v_cut: Fraction
+    t_aux: Fraction
     metric: str
     denominator: int
     places: tuple[tuple[int, ...], ...]
@@ -212,6 +214,8 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
         xs=tuple(point[0] for point in points[:count]),
         seconds=tuple(contour[2] / speeds[1] + speeds[2] for contour in contours),
         v_jump=speeds[0],
+        v_cut=speeds[1],
+        t_aux=speeds[2],
         metric=metric,
         denominator=denominator,
         places=places,

@@ -42,6 +42,7 @@ class LinkGraph:
         within = self.place_of[:, None] == self.place_of
         self.links: Floats = cdist(instance.points, instance.points)
         self.links *= machine.v_jump / machine.v_cut if timed else 1.0
+        self.lengths = self.links.copy()
         self.links[within] = np.inf
         self.links[self.home_node] = self.links[:, self.home_node] = np.inf
         pierce = np.full(self.nodes, machine.t_aux * machine.v_jump / 2 if timed else 0.0)
@@ -50,7 +51,7 @@ class LinkGraph:
         self.rapids[within] = np.inf
         if rules.pierces == 1:  # no rapid leads from contour to contour
             self.rapids[: self.home_node, : self.home_node] = np.inf
-        self._clear: Bools = np.zeros_like(within)
+        self._clear, self.blocked = np.zeros((2, self.nodes, self.nodes), dtype=np.bool_)
         starts = self.first[:-1]
         self.least: Floats = np.minimum.reduceat(
             np.minimum.reduceat(self.links, starts, axis=0), starts, axis=1
@@ -69,6 +70,7 @@ class LinkGraph:
         self._clear[tails[new], heads[new]] = self._clear[heads[new], tails[new]] = True
         if len(bad):
             self.links[tails[bad], heads[bad]] = self.links[heads[bad], tails[bad]] = np.inf
+            self.blocked[tails[bad], heads[bad]] = self.blocked[heads[bad], tails[bad]] = True
             for place, other in {*zip(self.place_of[tails[bad]], self.place_of[heads[bad]], strict=True)}:
                 least = self.links[self.members(place), self.members(other)].min()
                 self.least[place, other] = self.least[other, place] = least

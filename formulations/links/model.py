@@ -330,6 +330,18 @@ class Prices:
             costs, graph.place_of, graph.first, priced, self.node, single, self.masks, self.sets, scale, below
         )
 
+    def blocked_links(self, graph: LinkGraph) -> tuple[Ints, Ints]:
+        """Return the blocked links that would have negative reduced costs, single or double."""
+        costs = np.where(graph.blocked, graph.lengths, np.inf)
+        single = np.maximum(self.single, 0.0)
+        none = np.zeros_like(graph.blocked)
+        _, tails, heads = _negative(
+            costs, graph.place_of, graph.first, none, self.node, single, self.masks, self.sets, 1.0, 0.0
+        )
+        p, q = np.nonzero(np.triu(graph.blocked, 1))
+        cheap = 2.0 * graph.lengths[p, q] < self.double[graph.place_of[p], graph.place_of[q]]
+        return np.append(tails, p[cheap]), np.append(heads, q[cheap])
+
 
 @njit(cache=True)
 def _negative(

@@ -9,11 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
+from cutgap.formulations.branch_and_cut.engine import BranchAndCut
 from cutgap.formulations.branch_and_cut.tour import TOLERANCE
-from cutgap.formulations.links.graph import LinkGraph
+from cutgap.formulations.links.graph import LinkGraph, Pair
 from cutgap.formulations.links.model import LinkModel
 from cutgap.formulations.links.plans import cost, first_plans, passes_of, plan_of
+from cutgap.formulations.links.proof import bound_certificate, empty_certificate, infeasibility_certificate
 from cutgap.formulations.scope import require_symmetric
 from cutgap.instances import Instance, Plan, Result, Rules, check, conclude
 from cutgap.instances.check import require_coordinates
@@ -55,37 +56,61 @@ def solve_links(
         watch(replace(state, value=value, lower_bound=bound))
 
     if not instance.contours:
-        outcome = Outcome(0.0, 0.0, {}, True, 0)
-    else:
-        graph = LinkGraph(instance, rules)
-        tree = graph.tree()
-        if rules.pierces is not None and len(instance.contours) - len(tree) > rules.pierces:
-            reason = _too_few_pierces(instance, graph, tree, rules.pierces)
-            seconds = time.perf_counter() - begun
-            return conclude(
-                instance, rules, None, method="links", seconds=seconds, infeasible=True, reason=reason
-            )
-        known = list(first_plans(graph, tree))
-        if start is not None and not check(instance, rules, start):
-            known.append(passes_of(instance, start))
-        best = min(known, key=lambda passes: cost(graph, passes))
-        search = BranchAndCut(
-            LinkModel(graph, best),
-            incumbent=(cost(graph, best), best),
-            tolerance=TOLERANCE,
-            deadline=np.inf if time_limit is None else begun + time_limit,
-            watch=report,
-        )
-        outcome = search.run()
-    plan = plan_of(instance, outcome.solution or {})
-    return conclude(
+        return _empty(instance, rules, begun, certify)
+    graph = LinkGraph(instance, rules)
+    tree = graph.tree()
+    if rules.pierces is not None and len(instance.contours) - len(tree) > rules.pierces:
+        return _infeasible(instance, rules, graph, tree, begun, certify)
+    known = list(first_plans(graph, tree))
+    if start is not None and not check(instance, rules, start):
+        known.append(passes_of(instance, start))
+    best = min(known, key=lambda passes: cost(graph, passes))
+    outcome = BranchAndCut(
+        LinkModel(graph, best),
+        incumbent=(cost(graph, best), best),
+        tolerance=TOLERANCE,
+        deadline=np.inf if time_limit is None else begun + time_limit,
+        watch=report,
+    ).run()
+    result = conclude(
         instance,
         rules,
-        _allowed(instance, rules, plan, start),
+        _allowed(instance, rules, plan_of(instance, outcome.solution or {}), start),
         method="links",
         seconds=time.perf_counter() - begun,
         lower_bound=objective(max(0.0, outcome.lower_bound)),
         reason=None if outcome.complete else "stopped early",
+    )
+    if not certify:
+        return result
+    plan = None if result.violations or instance.precedence else result.plan
+    return replace(result, certificate=bound_certificate(instance, rules, graph, outcome, plan))
+
+
+def _empty(instance: Instance, rules: Rules, begun: float, certify: bool) -> Result:
+    """Without contours the head stays at home."""
+    plan = Plan(((),))
+    seconds = time.perf_counter() - begun
+    result = conclude(instance, rules, plan, method="links", seconds=seconds, lower_bound=0.0)
+    return replace(result, certificate=empty_certificate(instance, rules, plan)) if certify else result
+
+
+def _infeasible(
+    instance: Instance, rules: Rules, graph: LinkGraph, tree: list[Pair], begun: float, certify: bool
+) -> Result:
+    """Say, and prove, that links join the contours into more groups than there may be pierces."""
+    place = graph.place_of.tolist()
+    leaders = groups(instance, tuple(Link(place[p], 0, place[q], 0) for p, q in tree))
+    parts = [[each for each, leader in enumerate(leaders) if leader == one] for one in sorted(set(leaders))]
+    first, *others = (repr(instance.contours[part[0]].id) for part in parts)
+    apart = f"no clear link leads from contour {first}, or what is linked to it, to {', '.join(others)}"
+    reason = f"{len(parts)} pierces are needed, most {rules.pierces}: {apart:.300}"
+    seconds = time.perf_counter() - begun
+    result = conclude(instance, rules, None, method="links", seconds=seconds, infeasible=True, reason=reason)
+    return (
+        replace(result, certificate=infeasibility_certificate(instance, rules, graph, parts))
+        if certify
+        else result
     )
 
 
@@ -94,14 +119,3 @@ def _allowed(instance: Instance, rules: Rules, plan: Plan, start: Plan | None) -
     if not instance.precedence or start is None or not check(instance, rules, plan):
         return plan
     return plan if check(instance, rules, start) else start
-
-
-def _too_few_pierces(instance: Instance, graph: LinkGraph, tree: list[tuple[int, int]], most: int) -> str:
-    """Say which contours no link reaches."""
-    place = graph.place_of
-    links = tuple(Link(int(place[p]), 0, int(place[q]), 0) for p, q in tree)
-    leaders = groups(instance, links)
-    names = [instance.contours[each].id for each in sorted(set(leaders))]
-    others = ", ".join(map(repr, names[1:]))
-    apart = f"no clear link leads from contour {names[0]!r}, or what is linked to it, to {others}"
-    return f"{len(names)} pierces are needed, most {most}: {apart:.300}"

@@ -124,3 +124,22 @@ def blocked_segments(instance: Instance, starts: Floats, ends: Floats) -> Bools:
         hit: Ints = tree.query(lines, "intersects")[0]
         found[hit] = True
     return found
+
+
+def deepest_shares(instance: Instance, starts: Ints, ends: Ints) -> Floats:
+    """Return for each link the share of its way at which it is well inside material, NaN where it is nowhere.
+
+    That is the middle of its longest piece in a part without an edge of three times ``depth``.
+    """
+    tree = _inner_material(instance)
+    inner = shapely.buffer(tree.geometries, -2 * depth(instance), join_style="mitre")
+    a, b = instance.points[starts, :2], instance.points[ends, :2]
+    lines = shapely.linestrings(np.stack((a, b), axis=1))
+    best, found = np.zeros(len(lines)), np.full(len(lines), np.nan)
+    for link, piece in np.transpose(tree.query(lines, "intersects")).tolist():
+        for part in shapely.get_parts(shapely.intersection(lines[link], inner[piece])):
+            if part.length > best[link]:
+                middle = shapely.line_interpolate_point(part, 0.5, normalized=True)
+                best[link] = part.length
+                found[link] = shapely.line_locate_point(lines[link], middle, normalized=True)
+    return found
