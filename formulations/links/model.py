@@ -71,8 +71,11 @@ class LinkModel(Model):
         edges += [(RAPID, *graph.nearest_rapid(contour)) for contour in range(graph.home)]
         edges += [(DOUBLE, place_of[p], place_of[q]) for p, q in graph.tree()]
         for (kind, tail, head), passes in known.items():
-            double = (DOUBLE, place_of[tail], place_of[head])
-            edges.append((kind, tail, head) if passes == 1 else double)
+            if passes == 2:
+                edges.append((DOUBLE, place_of[tail], place_of[head]))
+                continue
+            needed = head == graph.home_node or graph.rapids_needed(np.array([tail]), np.array([head]))[0]
+            edges.append((kind if needed else LINK, tail, head))
         return list(dict.fromkeys(edges))
 
     def _cost(self, edge: Edge) -> float:
