@@ -220,7 +220,7 @@ class Tree:
         numbers = [integer(each, "set", least=0) for each in entries(value, "set")]
         require(
             numbers != [] and len(set(numbers)) == len(numbers) and max(numbers) < count,
-            "set: expected different numbers",
+            f"set: expected different numbers below {count}",
         )
         return numbers
 
