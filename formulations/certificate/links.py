@@ -6,13 +6,17 @@ a link or rapid in units of 1 / scale mm (for the makespan times and pierces cou
     s_e    link or rapid e is passed an odd number of times             {0, 1}
     d_ij   contours i, j are joined by a link that is passed twice,
            or contour i and the home by a rapid                         {0, 1}
+    e_ij   half of s_ij, the sum of the s between places i and j, rounded down
 
     min  sum c_e s_e + sum 2 c_ij d_ij,   c_ij the least c_e between i and j
     home       s(delta(home)) + 2 d(delta(home)) = 2
-    partition  (k - 1) s(delta(P)) + k d(delta(P)) >= k (k - 1)     P parts the places into k >= 2 sets
+    partition  (k - 1) s(delta(P)) + k d(delta(P)) - (k - 2) e(delta(P)) >= k (k - 1)
+                                                                    P parts the places into k >= 2 sets
     parity     s(delta(T) \ F) - s(F) >= 1 - |F|                    T a set of nodes, F odd, within delta(T)
     pierces    - s(rapids between contours) >= 1 - most pierces
     group      - ends(W) - 2 sum of (s_e + d_e) over e in T >= - 2 |W|    T a forest of links among contours W
+    once       2 e_ij - s_ij >= -1
+    bundle     2 e_ij - s_ij + s(T : not j) + s(i \ T : j) >= 0     T a set of nodes of place i
 
 Links that are shown to be blocked are left out. Where a link costs no more than the rapid only one of the two
 is there: the link if it is clear, else the rapid; it is named as the link. Every pair of nodes is priced, but
@@ -123,7 +127,10 @@ class Costs:
 
 @dataclass
 class Prices:
-    """Sums of rows by what they mean for edges; ``odd`` and ``tree`` are about single edges."""
+    """Sums of rows by what they mean for edges.
+
+    ``odd`` and ``tree`` are about single edges, ``toward`` about those from a node to a place.
+    """
 
     node: list[int]
     single: list[list[int]]
@@ -133,6 +140,9 @@ class Prices:
     sets: list[tuple[frozenset[int], int]]
     odd: dict[Edge, int]
     tree: dict[Edge, int]
+    toward: dict[tuple[int, int], int]
+    excess: dict[tuple[int, int], int]
+    partitions: list[tuple[int, list[int], int]]
     value: int
 
 
@@ -211,15 +221,21 @@ class Tree:
                 across = all((p in inside) != (q in inside) for _, p, q in odd)
                 require(across, "parity: an edge does not lead out of the set")
                 return ("parity", inside, odd)
+            case ["once", int(i), int(j)] if 0 <= i < j <= self.costs.home:
+                return ("once", i, j)
+            case ["bundle", int(i), int(j), nodes] if i != j and 0 <= min(i, j) <= max(i, j) <= self.costs.home:
+                inside = frozenset(self._numbers(nodes, self.costs.home_node + 1, least=0))
+                require(inside.issubset(self.costs.members[i]), "bundle: a node of another place")
+                return ("bundle", i, j, inside)
             case ["group", contours, list(given)]:
                 members = self._numbers(contours, self.costs.home)
                 return ("group", members, self._forest(members, given))
         raise Refused(f"no row {show(name)}")
 
-    def _numbers(self, value: Any, count: int) -> list[int]:
+    def _numbers(self, value: Any, count: int, least: int = 1) -> list[int]:
         numbers = [integer(each, "set", least=0) for each in entries(value, "set")]
         require(
-            numbers != [] and len(set(numbers)) == len(numbers) and max(numbers) < count,
+            len(numbers) >= least and len(set(numbers)) == len(numbers) and max(numbers, default=0) < count,
             f"set: expected different numbers below {count}",
         )
         return numbers
@@ -299,10 +315,17 @@ class Tree:
         for i in range(costs.home):
             value += self._pay((DOUBLE, i, costs.home), prices, fixed)
             value += sum(self._pay((RAPID, p, costs.home_node), prices, fixed) for p in costs.members[i])
+        value += sum(self._excess(i, j, reduced, prices) for (i, j), reduced in prices.excess.items())
         most = [max(prices.node[p] for p in nodes) for nodes in costs.members]
         for i, j in self.least:
             value += sum(self._pay(edge, prices, fixed) for edge in self._tempting(i, j, most, prices))
         return value
+
+    def _excess(self, i: int, j: int, reduced: int, prices: Prices) -> int:
+        """Return the least that an e adds to the value: it is at most the number of pairs of nodes."""
+        self.budget.spend(len(prices.partitions))
+        reduced += sum(price * (k - 2) for price, label, k in prices.partitions if label[i] != label[j])
+        return min(0, reduced) * len(self.costs.members[i]) * len(self.costs.members[j])
 
     def _tempting(self, i: int, j: int, most: list[int], prices: Prices) -> Iterator[Edge]:
         """Yield the edges between two contours that may have negative reduced costs."""
@@ -344,6 +367,7 @@ class Tree:
         i, j = costs.place_of[p], costs.place_of[q]
         common = prices.odd.get(edge, 0) - prices.node[p] - prices.node[q] - prices.single[i][j]
         common += sum(2 * price for inside, price in prices.sets if p in inside and q in inside)
+        common += prices.toward.get((p, j), 0) + prices.toward.get((q, i), 0)
         link = rapid = None
         if kind == LINK:
             link = self.scale * costs.link(p, q) + prices.tree.get(edge, 0)
@@ -359,7 +383,7 @@ class Tree:
         costs = self.costs
         places = costs.home + 1
         single, double = ([[0] * places for _ in range(places)] for _ in range(2))
-        prices = Prices([0] * (costs.home_node + 1), single, double, [0] * places, 0, [], {}, {}, 0)
+        prices = Prices([0] * (costs.home_node + 1), single, double, [0] * places, 0, [], {}, {}, {}, {}, [], 0)
         for entry in entries(multipliers, "multipliers"):
             index, price = (integer(each, "multiplier") for each in entries(entry, "multipliers", count=2))
             require(0 <= index < len(self.rows), f"there is no row {show(index)}")
@@ -382,6 +406,7 @@ class Tree:
 
     def _add_partition(self, prices: Prices, price: int, label: list[int], count: int) -> None:
         prices.value += price * count * (count - 1)
+        prices.partitions.append((price, label, count))
         for i, mine in enumerate(label):
             single, double = prices.single[i], prices.double[i]
             for j in range(i + 1, len(label)):
@@ -397,6 +422,18 @@ class Tree:
             prices.sets.append((inside, price))
         for edge in odd:
             prices.odd[edge] = prices.odd.get(edge, 0) + 2 * price
+
+    def _add_once(self, prices: Prices, price: int, i: int, j: int) -> None:
+        prices.value -= price
+        prices.single[i][j] -= price
+        prices.excess[i, j] = prices.excess.get((i, j), 0) - 2 * price
+
+    def _add_bundle(self, prices: Prices, price: int, i: int, j: int, inside: frozenset[int]) -> None:
+        pair = min(i, j), max(i, j)
+        prices.excess[pair] = prices.excess.get(pair, 0) - 2 * price
+        for node in inside:
+            prices.node[node] += price
+            prices.toward[node, j] = prices.toward.get((node, j), 0) + 2 * price
 
     def _add_group(self, prices: Prices, price: int, members: list[int], edges: list[Edge]) -> None:
         prices.value -= 2 * price * len(members)

@@ -1,18 +1,23 @@
 r"""Rows of the model of links, by what names them; proofs are in ``docs/certificates.md``.
 
     s_e    link or rapid e is passed once          d_ij   contours i, j (or i and the home) are joined twice
+    s_ij   sum of s_e between places i and j       e_ij   half of s_ij, rounded down
     W      a set of contours; T a tree of links that joins them; ends(W) rapid ends at contours of W
 
     (1) home       s(delta(home)) + 2 d(delta(home)) = 2
-    (2) partition  s(delta(P)) + k / (k - 1) d(delta(P)) >= k       P parts the places into k >= 2 sets
+    (2) partition  s(delta(P)) + k / (k - 1) d(delta(P)) - (k - 2) / (k - 1) e(delta(P)) >= k
+                                                                    P parts the places into k >= 2 sets
     (3) parity     s(delta(T) \ F) - s(F) >= 1 - |F|                T a set of nodes, F odd, within delta(T)
     (4) pierces    sum of s over rapids between contours <= most pierces - 1
     (5) group      ends(W) + 2 sum of (s_e + d_e) over e in T <= 2 |W|
+    (6) once       s_ij - 2 e_ij <= 1
+    (7) bundle     s_ij - 2 e_ij <= s(T : not j) + s(i \ T : j)     T a set of nodes of place i
 
 (2) with k = 2 says that each set of contours is left twice; for all k it says that a tree of d alone needs
 k - 1 of them and a circle of s alone k. It is stronger than either (d counts double, a tree has k - 1 edges).
 (3) says that each node set is passed an even number of times. (5) says that a group has two rapid ends: the
-used links of a tree make |W| - (their number) groups.
+used links of a tree make |W| - (their number) groups. By (7) the single edges between two places are even
+in number where their nodes at place i have no other edges; in (2) two of them count as one joint.
 """
 
 from collections.abc import Hashable
@@ -23,12 +28,12 @@ import numpy as np
 from cutgap.formulations.branch_and_cut.model import Row
 from cutgap.instances.arrays import Floats, Ints
 
-LINK, RAPID, DOUBLE = 0, 1, 2
-"""Kinds of variables: s of links, s of rapids, d."""
+LINK, RAPID, DOUBLE, EXCESS = 0, 1, 2, 3
+"""Kinds of variables: s of links, s of rapids, d, e."""
 
 Pair = tuple[int, int]
 Edge = tuple[int, int, int]
-"""Kind, and its ends: nodes, or places for ``DOUBLE``, in ascending order."""
+"""Kind, and its ends: nodes, or places for ``DOUBLE`` and ``EXCESS``, in ascending order."""
 
 HOME = ("home",)
 PIERCES = ("pierces",)
@@ -48,7 +53,7 @@ class Columns:
     def of(cls, edges: list[Edge], place_of: Ints) -> "Columns":
         """Build the columns of some edges."""
         kinds, tails, heads = np.array(edges, dtype=np.int64).reshape(-1, 3).T
-        double = kinds == DOUBLE
+        double = kinds >= DOUBLE
         sides = (np.where(double, end, place_of[np.where(double, 0, end)]) for end in (tails, heads))
         return cls(kinds, tails, heads, *sides)
 
@@ -91,8 +96,9 @@ class Partition:
         """Return the coefficients of columns, among so many places."""
         label = self.labels(places)
         across = label[columns.places] != label[columns.others]
-        ratio = self.count / (self.count - 1)
-        return np.where(across, np.where(columns.kinds == DOUBLE, ratio, 1.0), 0.0)
+        rest = self.count - 1
+        shares = np.array([1.0, 1.0, self.count / rest, (1 - rest) / rest])
+        return np.where(across, shares[columns.kinds], 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +116,7 @@ class Parity:
     def coefficients(self, columns: Columns) -> Floats:
         """Return the coefficients of columns."""
         inside = np.isin(columns.tails, list(self.nodes)) != np.isin(columns.heads, list(self.nodes))
-        values = np.where(inside & (columns.kinds != DOUBLE), 1.0, 0.0)
+        values = np.where(inside & (columns.kinds < DOUBLE), 1.0, 0.0)
         for kind, tail, head in self.odd:
             values[(columns.kinds == kind) & (columns.tails == tail) & (columns.heads == head)] = -1.0
         return values
@@ -143,15 +149,49 @@ class Group:
         return values
 
 
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """(7) for two places and nodes of the first, or (6) without nodes."""
+
+    place: int
+    other: int
+    nodes: frozenset[int] | None
+
+    @property
+    def excess(self) -> Edge:
+        """The variable e of the two places."""
+        return EXCESS, min(self.place, self.other), max(self.place, self.other)
+
+    @property
+    def row(self) -> Row:
+        """The row without its coefficients."""
+        return Row(self, -1.0 if self.nodes is None else 0.0)
+
+    def coefficients(self, columns: Columns) -> Floats:
+        """Return the coefficients of columns."""
+        _, low, high = self.excess
+        same = (columns.places == low) & (columns.others == high)
+        values = np.where(same & (columns.kinds == EXCESS), 2.0, 0.0)
+        single = columns.kinds < DOUBLE
+        if self.nodes is None:
+            return np.where(single & same, -1.0, values)
+        members = list(self.nodes)
+        inside = single & (np.isin(columns.tails, members) | np.isin(columns.heads, members))
+        return np.where(inside, np.where(same, -1.0, 1.0), values)
+
+
+Cut = Partition | Parity | Group | Bundle
+
+
 def coefficients(name: Hashable, columns: Columns, home: int) -> Floats:
     """Return the coefficients of columns in a row; ``home`` is the home's place."""
     if isinstance(name, Partition):
         return name.coefficients(columns, home + 1)
-    if isinstance(name, Parity):
+    if isinstance(name, Parity | Bundle):
         return name.coefficients(columns)
     if isinstance(name, Group):
         return name.coefficients(columns, home)
     at_home = columns.others == home
     if name == HOME:
-        return np.where(at_home, np.where(columns.kinds == DOUBLE, 2.0, 1.0), 0.0)
+        return np.where(at_home, np.array([1.0, 1.0, 2.0, 0.0])[columns.kinds], 0.0)
     return np.where((columns.kinds == RAPID) & ~at_home, -1.0, 0.0)

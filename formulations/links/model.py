@@ -4,11 +4,12 @@ r"""The cheapest even connected multigraph of links and rapids, as branch and cu
     Variables  s_e in {0, 1}    link or rapid e is passed once                                   [-]
                d_ij in {0, 1}   contours i, j are joined by a link that is passed twice, or
                                 contour i and the home by a rapid                                [-]
+               e_ij             half of the s between places i and j, rounded down               [-]
     Data       c_e >= 0         what one pass costs (see ``graph``)                              [mm]
 
     min  sum_e c_e s_e + sum_ij 2 c_ij d_ij,   c_ij the least cost of a clear link between i and j
 
-subject to the rows (1) to (5) of ``cuts``. Some best plan is such a point: of several doubled links between two
+subject to the rows (1) to (7) of ``cuts``. Some best plan is such a point: of several doubled links between two
 contours one is enough, and none is needed beside a single one, as even nodes and connection stay.
 
 Columns enter when their reduced cost asks for it. Only then a link is tested for clearance; one that leads
@@ -26,11 +27,14 @@ from cutgap.formulations.branch_and_cut.model import Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.tour import INTEGRALITY
 from cutgap.formulations.links.cuts import (
     DOUBLE,
+    EXCESS,
     HOME,
     LINK,
     PIERCES,
     RAPID,
+    Bundle,
     Columns,
+    Cut,
     Edge,
     Group,
     Parity,
@@ -38,7 +42,7 @@ from cutgap.formulations.links.cuts import (
     coefficients,
 )
 from cutgap.formulations.links.graph import LinkGraph
-from cutgap.formulations.links.separation import Point, group_cuts, parities, partitions
+from cutgap.formulations.links.separation import Point, bundles, group_cuts, parities, partitions
 from cutgap.instances.arrays import Floats, Ints
 
 NEGATIVE = 1e-7
@@ -55,7 +59,7 @@ class LinkModel(Model):
         super().__init__()
         self.graph = graph
         self.columns = Columns.of([], graph.place_of)
-        self.priced = np.zeros((3, graph.nodes, graph.nodes), dtype=np.bool_)
+        self.priced = np.zeros((4, graph.nodes, graph.nodes), dtype=np.bool_)
         self.best: tuple[float, Multigraph] | None = None
         self._sum = 0.0
         self.add_row(Row(HOME, 2.0, equal=True))
@@ -80,6 +84,8 @@ class LinkModel(Model):
 
     def _cost(self, edge: Edge) -> float:
         kind, tail, head = edge
+        if kind == EXCESS:
+            return 0.0
         if kind == DOUBLE:
             rapid = head == self.graph.home
             pair = self.graph.nearest_rapid(tail) if rapid else self.graph.cheapest(tail, head)
@@ -95,13 +101,20 @@ class LinkModel(Model):
         columns, rows = np.nonzero(table)
         starts = np.searchsorted(columns, np.arange(len(new)))
         costs = np.array([self._cost(edge) for edge in edges])
-        zeros, ones = np.zeros(len(new)), np.ones(len(new))
-        self.lp.add_columns(costs, zeros, ones, starts, rows, table[columns, rows])
+        self.lp.add_columns(costs, np.zeros(len(new)), self._upper(new), starts, rows, table[columns, rows])
         self.columns += new
         self.priced[new.kinds, new.tails, new.heads] = True
 
-    def add_cut(self, cut: Partition | Parity | Group) -> None:
+    def _upper(self, columns: Columns) -> Floats:
+        """Return the upper bounds of columns: an e is not above the pairs of nodes."""
+        sizes = np.diff(self.graph.first)
+        pairs = sizes[columns.places] * sizes[columns.others]
+        return np.where(columns.kinds == EXCESS, pairs, 1).astype(np.float64)
+
+    def add_cut(self, cut: Cut) -> None:
         """Append a row of ``cuts`` by its name."""
+        if isinstance(cut, Bundle) and not self.priced[cut.excess]:
+            self._add_columns([cut.excess])
         values = coefficients(cut, self.columns, self.graph.home)
         hits = np.flatnonzero(values)
         self.add_row(cut.row, hits, values[hits])
@@ -109,7 +122,7 @@ class LinkModel(Model):
     # Relaxation
 
     def apply(self, fixings: Sequence[Fixing]) -> None:
-        lower, upper = np.zeros(len(self.columns)), np.ones(len(self.columns))
+        lower, upper = np.zeros(len(self.columns)), self._upper(self.columns)
         for fixing in fixings:
             column = self._column(fixing.variable)
             lower[column], upper[column] = fixing.lower, fixing.upper
@@ -205,8 +218,9 @@ class LinkModel(Model):
     def separate(self, *, thorough: bool) -> int:
         self.forget_slack_rows()
         point = self.point()
-        found: list[Partition | Parity | Group] = [*partitions(point, thorough=thorough)]
+        found: list[Cut] = [*partitions(point, thorough=thorough)]
         found += parities(point, thorough=thorough)
+        found += bundles(point, self.graph.first)
         if self.graph.pierces != 1:
             found += group_cuts(point)
         known: set[Hashable] = {row.name for row in self.rows}
@@ -227,6 +241,8 @@ class LinkModel(Model):
         point = self.point()
         if partitions(point, thorough=False) or parities(point, thorough=False):
             return None
+        if bundles(point, self.graph.first):
+            return None
         if self.graph.pierces != 1 and group_cuts(point):
             return None
         return self.value(point.columns.edges())
@@ -236,6 +252,8 @@ class LinkModel(Model):
         passes: Multigraph = {}
         for edge in edges:
             kind, tail, head = edge
+            if kind == EXCESS:
+                continue
             if kind == DOUBLE:
                 rapid = head == self.graph.home
                 pair = self.graph.nearest_rapid(tail) if rapid else self.graph.cheapest(tail, head)
@@ -252,7 +270,7 @@ class LinkModel(Model):
         """Take doubles and single edges half and half, each the nearest to a half."""
         x = self.solution.x
         distance = np.abs(x - np.floor(x) - 0.5)
-        fractional = np.flatnonzero(distance < 0.5 - INTEGRALITY)
+        fractional = np.flatnonzero((distance < 0.5 - INTEGRALITY) & (self.columns.kinds != EXCESS))
         order = fractional[np.argsort(distance[fractional], kind="stable")]
         double = self.columns.kinds[order] == DOUBLE
         columns = [*order[double][: most // 2].tolist(), *order[~double][: most // 2].tolist()]
@@ -267,7 +285,8 @@ class Prices:
 
     def __init__(self, graph: LinkGraph, names: list[Hashable], multipliers: Floats) -> None:
         self.graph = graph
-        self.node = np.zeros(graph.nodes)  # of parities, and of the home
+        self.node = np.zeros(graph.nodes)  # of parities and bundles
+        self.toward = np.zeros((graph.nodes, graph.places))  # of nodes with a place, in bundles
         self.single, self.double = np.zeros((2, graph.places, graph.places))
         self.end = np.zeros(graph.places)  # of rapids at a place
         self.rapid = 0.0  # of rapids between contours
@@ -290,6 +309,8 @@ class Prices:
                 self.end[members] -= price
                 self.double[members, graph.home] -= 2.0 * price
                 self.double[graph.home, members] -= 2.0 * price
+            elif isinstance(name, Bundle):
+                self._add_bundle(name, price)
             elif name == HOME:
                 self.single[graph.home] += price
                 self.single[:, graph.home] += price
@@ -301,6 +322,15 @@ class Prices:
         for index, nodes in enumerate(sets):
             self.masks[list(nodes), index] = True
         self.sets = np.array(prices)
+
+    def _add_bundle(self, bundle: Bundle, price: float) -> None:
+        if bundle.nodes is None:
+            self.single[bundle.place, bundle.other] -= price
+            self.single[bundle.other, bundle.place] -= price
+            return
+        members = list(bundle.nodes)
+        self.node[members] += price
+        self.toward[members, bundle.other] -= 2.0 * price
 
     def negative(
         self, kind: int, priced: np.ndarray, scale: float, below: float = -NEGATIVE
@@ -330,7 +360,17 @@ class Prices:
             single = single + self.end[:, None] + self.end
             single[: graph.home, : graph.home] += self.rapid
         return _negative(
-            costs, graph.place_of, graph.first, priced, self.node, single, self.masks, self.sets, scale, below
+            costs,
+            graph.place_of,
+            graph.first,
+            priced,
+            self.node,
+            self.toward,
+            single,
+            self.masks,
+            self.sets,
+            scale,
+            below,
         )
 
     def blocked_links(self, graph: LinkGraph) -> tuple[Ints, Ints]:
@@ -339,7 +379,17 @@ class Prices:
         single = np.maximum(self.single, 0.0)
         none = np.zeros_like(graph.blocked)
         _, tails, heads = _negative(
-            costs, graph.place_of, graph.first, none, self.node, single, self.masks, self.sets, 1.0, 0.0
+            costs,
+            graph.place_of,
+            graph.first,
+            none,
+            self.node,
+            self.toward,
+            single,
+            self.masks,
+            self.sets,
+            1.0,
+            0.0,
         )
         p, q = np.nonzero(np.triu(graph.blocked, 1))
         cheap = 2.0 * graph.lengths[p, q] < self.double[graph.place_of[p], graph.place_of[q]]
@@ -353,6 +403,7 @@ def _negative(
     first: Ints,
     priced: np.ndarray,
     node: Floats,
+    toward: Floats,
     single: Floats,
     masks: np.ndarray,
     sets: Floats,
@@ -365,6 +416,7 @@ def _negative(
         for q in range(first[place_of[p] + 1], nodes):
             reduced = scale * costs[p, q] - node[p] - node[q] - single[place_of[p], place_of[q]]
             if reduced < below and not priced[p, q] and costs[p, q] < np.inf:
+                reduced -= toward[p, place_of[q]] + toward[q, place_of[p]]
                 for k in range(len(sets)):
                     if masks[p, k] and masks[q, k]:
                         reduced += 2.0 * sets[k]

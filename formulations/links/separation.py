@@ -14,7 +14,19 @@ from numba import njit
 
 from cutgap.formulations.branch_and_cut.flows import Graph, build_graph, cut_tree, maximum_flow
 from cutgap.formulations.branch_and_cut.separation import Mask, Support, connectivity_violations
-from cutgap.formulations.links.cuts import DOUBLE, LINK, RAPID, Columns, Group, Parity, Partition, coefficients
+from cutgap.formulations.links.cuts import (
+    DOUBLE,
+    EXCESS,
+    LINK,
+    RAPID,
+    Bundle,
+    Columns,
+    Cut,
+    Group,
+    Parity,
+    Partition,
+    coefficients,
+)
 from cutgap.instances.arrays import Floats, Ints
 
 VIOLATION = 1e-5
@@ -32,13 +44,13 @@ class Point:
     x: Floats
     places: int
 
-    def support(self, single: float, double: float) -> Support:
-        """Return the graph of places where s and d count so much each."""
-        weights = self.x * np.where(self.columns.kinds == DOUBLE, double, single)
+    def support(self, single: float, double: float, excess: float = 0.0) -> Support:
+        """Return the graph of places where s, d and e count so much each."""
+        weights = self.x * np.array([single, single, double, excess])[self.columns.kinds]
         graph = Support(self.places, self.columns.places, self.columns.others, weights)
         return graph.shrink(np.arange(self.places), self.places)
 
-    def missing(self, cut: Partition | Parity | Group) -> float:
+    def missing(self, cut: Cut) -> float:
         """Return by how much the point misses a row."""
         values = coefficients(cut, self.columns, self.places - 1)
         return cut.row.least - float(values @ self.x)
@@ -75,7 +87,7 @@ def _many_parts(point: Point, home: int) -> Iterator[Partition]:
         count, seen = start, set[int]()
         while count >= 3 and count not in seen:
             seen.add(count)
-            support = point.support((count - 1) / count, 1.0)
+            support = point.support((count - 1) / count, 1.0, (2 - count) / count)
             label = _truncation(support.tails, support.heads, support.x, order)
             count = len(np.unique(label))
             if count >= 2:
@@ -101,7 +113,7 @@ def _greedy(graph: Graph, weights: Floats, order: Ints) -> Ints:
     y = np.zeros(places)
     came = np.zeros(places, dtype=np.bool_)
     capacity = np.zeros(edges + 2 * places)
-    capacity[:edges] = weights / 2.0
+    capacity[:edges] = np.maximum(weights, 0.0) / 2.0
     is_source = np.zeros(places + 2, dtype=np.bool_)
     for v in order:
         constant = 0.0
@@ -127,7 +139,7 @@ def _greedy(graph: Graph, weights: Floats, order: Ints) -> Ints:
 
 def parities(point: Point, *, thorough: bool) -> list[Parity]:
     """Return violated (3): of single nodes, and with ``thorough`` or without such ones of node sets."""
-    single = np.flatnonzero(point.columns.kinds != DOUBLE)
+    single = np.flatnonzero(point.columns.kinds < DOUBLE)
     if len(single) == 0:
         return []
     tails, heads, s = point.columns.tails[single], point.columns.heads[single], point.x[single]
@@ -162,11 +174,39 @@ def _odd_cuts(
             )
 
 
+def bundles(point: Point, first: Ints) -> list[Bundle]:
+    """Return violated (6) and (7), these each with its best set of nodes; ``first`` is each place's first node."""
+    columns = point.columns
+    single = np.flatnonzero(columns.kinds < DOUBLE)
+    ends = np.concatenate([columns.tails[single], columns.heads[single]])
+    mine = np.concatenate([columns.places[single], columns.others[single]])
+    other = np.concatenate([columns.others[single], columns.places[single]])
+    s = np.tile(point.x[single], 2)
+    toward: np.ndarray = np.zeros((int(first[-1]), point.places))
+    np.add.at(toward, (ends, other), s)
+    away = toward.sum(axis=1)[:, None] - toward
+    excess = np.zeros((point.places, point.places))
+    is_excess = columns.kinds == EXCESS
+    excess[columns.places[is_excess], columns.others[is_excess]] = point.x[is_excess]
+    found = []
+    for i, j in sorted({*zip(mine.tolist(), other.tolist(), strict=True)}):
+        members = slice(first[i], first[i + 1])
+        odd = toward[members, j].sum() - 2.0 * excess[min(i, j), max(i, j)]
+        if i < j and odd > 1.0 + VIOLATION:
+            found.append(Bundle(i, j, None))
+        if odd > np.minimum(toward[members, j], away[members, j]).sum() + VIOLATION:
+            nodes = first[i] + np.flatnonzero(toward[members, j] > away[members, j])
+            found.append(Bundle(i, j, frozenset(nodes.tolist())))
+    return found
+
+
 def group_cuts(point: Point) -> list[Group]:
     """Return violated (5): of single contours, and of trees of the heaviest links."""
     columns, home = point.columns, point.places - 1
     at_home = columns.others == home
-    weights = point.x * np.where(columns.kinds == RAPID, 1.0, np.where(at_home, 2.0, 0.0))
+    weights = point.x * np.where(
+        columns.kinds == RAPID, 1.0, np.where(at_home & (columns.kinds == DOUBLE), 2.0, 0.0)
+    )
     ends = np.bincount(columns.places, weights=weights, minlength=point.places)
     ends += np.bincount(columns.others, weights=weights, minlength=point.places)
     found = [Group(frozenset([place])) for place in np.flatnonzero(ends[:home] > 2.0 + VIOLATION).tolist()]
