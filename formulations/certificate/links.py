@@ -6,7 +6,8 @@ a link or rapid in units of 1 / scale mm (for the makespan times and pierces cou
     s_e    link or rapid e is passed an odd number of times             {0, 1}
     d_ij   contours i, j are joined by a link that is passed twice,
            or contour i and the home by a rapid                         {0, 1}
-    e_ij   half of s_ij, the sum of the s between places i and j, rounded down
+    e_ij   half of s_ij, the sum of the s between places i and j, rounded down; t_ij = s_ij - 2 e_ij
+    w_ijk  t_ij t_jk t_ik                                               {0, 1}
 
     min  sum c_e s_e + sum 2 c_ij d_ij,   c_ij the least c_e between i and j
     home       s(delta(home)) + 2 d(delta(home)) = 2
@@ -17,6 +18,9 @@ a link or rapid in units of 1 / scale mm (for the makespan times and pierces cou
     group      - ends(W) - 2 sum of (s_e + d_e) over e in T >= - 2 |W|    T a forest of links among contours W
     once       2 e_ij - s_ij >= -1
     bundle     2 e_ij - s_ij + s(T : not j) + s(i \ T : j) >= 0     T a set of nodes of place i
+    triangle   w_ijk - t_ij + R_i + R_j >= 0, R_i = s(T : not j, k) + s(i \ T : j, k), T a set of nodes of i
+    rank       (s + d - e)(delta(P)) - sum of w over triples of F that P parts >= k - 1
+                                                                    no two triples of F share two places
 
 Links that are shown to be blocked are left out. Where a link costs no more than the rapid only one of the two
 is there: the link if it is clear, else the rapid; it is named as the link. Every pair of nodes is priced, but
@@ -25,7 +29,7 @@ costs.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
 from math import floor, isqrt, lcm
@@ -42,6 +46,7 @@ SHARES = 10**6
 
 LINK, RAPID, DOUBLE = "s", "r", "d"
 Edge = tuple[str, int, int]
+Triple = tuple[int, int, int]
 
 
 class Costs:
@@ -136,14 +141,15 @@ class Prices:
     single: list[list[int]]
     double: list[list[int]]
     end: list[int]
-    rapid: int
-    sets: list[tuple[frozenset[int], int]]
-    odd: dict[Edge, int]
-    tree: dict[Edge, int]
-    toward: dict[tuple[int, int], int]
-    excess: dict[tuple[int, int], int]
-    partitions: list[tuple[int, list[int], int]]
-    value: int
+    rapid: int = 0
+    sets: list[tuple[frozenset[int], int]] = field(default_factory=list)
+    odd: dict[Edge, int] = field(default_factory=dict)
+    tree: dict[Edge, int] = field(default_factory=dict)
+    toward: dict[tuple[int, int], int] = field(default_factory=dict)
+    excess: dict[tuple[int, int], int] = field(default_factory=dict)
+    partitions: list[tuple[int, list[int]]] = field(default_factory=list)
+    triples: dict[Triple, int] = field(default_factory=dict)
+    value: int = 0
 
 
 def check_links(
@@ -204,14 +210,15 @@ class Tree:
             case ["pierces"] if self.rules.pierces is not None:
                 return ("pierces",)
             case ["partition", list(given)] if given:
-                parts = [self._numbers(part, self.costs.home) for part in given]
-                members = [contour for part in parts for contour in part]
-                require(len(set(members)) == len(members), "partition: the parts overlap")
-                label = [len(parts)] * (self.costs.home + 1)
-                for number, part in enumerate(parts):
-                    for contour in part:
-                        label[contour] = number
-                return ("partition", label, len(parts) + 1)
+                return ("partition", self._labels(given), len(given) + 1)
+            case ["rank", list(given), list(triples)] if given:
+                family = [self._triple(each) for each in triples]
+                pairs = [pair for triple in family for pair in combinations(triple, 2)]
+                require(len(set(pairs)) == len(pairs), "rank: two triples share two places")
+                return ("rank", self._labels(given), len(given) + 1, family)
+            case ["triangle", int(i), int(j), int(k), nodes, others]:
+                triple = self._triple(sorted((i, j, k)))
+                return ("triangle", (i, j, k), triple, self._members(i, nodes), self._members(j, others))
             case ["parity", nodes, list(given)]:
                 inside = frozenset(self._numbers(nodes, self.costs.home_node + 1))
                 odd = [self._single(edge) for edge in given]
@@ -224,8 +231,7 @@ class Tree:
             case ["once", int(i), int(j)] if 0 <= i < j <= self.costs.home:
                 return ("once", i, j)
             case ["bundle", int(i), int(j), nodes] if i != j and 0 <= min(i, j) <= max(i, j) <= self.costs.home:
-                inside = frozenset(self._numbers(nodes, self.costs.home_node + 1, least=0))
-                require(inside.issubset(self.costs.members[i]), "bundle: a node of another place")
+                inside = self._members(i, nodes)
                 return ("bundle", i, j, inside)
             case ["group", contours, list(given)]:
                 members = self._numbers(contours, self.costs.home)
@@ -239,6 +245,29 @@ class Tree:
             f"set: expected different numbers below {count}",
         )
         return numbers
+
+    def _labels(self, given: list[Any]) -> list[int]:
+        """Return the part of each place; the home is in the last one, with all that is named in none."""
+        parts = [self._numbers(part, self.costs.home) for part in given]
+        members = [contour for part in parts for contour in part]
+        require(len(set(members)) == len(members), "partition: the parts overlap")
+        label = [len(parts)] * (self.costs.home + 1)
+        for number, part in enumerate(parts):
+            for contour in part:
+                label[contour] = number
+        return label
+
+    def _triple(self, value: Any) -> Triple:
+        """Return three places in ascending order."""
+        i, j, k = (integer(each, "triple", least=0) for each in entries(value, "triple", count=3))
+        require(i < j < k <= self.costs.home, "triple: expected three places in ascending order")
+        return i, j, k
+
+    def _members(self, place: int, nodes: Any) -> frozenset[int]:
+        """Return a set of nodes of a place."""
+        inside = frozenset(self._numbers(nodes, self.costs.home_node + 1, least=0))
+        require(inside.issubset(self.costs.members[place]), "a node of another place")
+        return inside
 
     def _single(self, value: Any) -> Edge:
         """Return a link or rapid; where only one of both is there, the link stands for it."""
@@ -315,6 +344,7 @@ class Tree:
         for i in range(costs.home):
             value += self._pay((DOUBLE, i, costs.home), prices, fixed)
             value += sum(self._pay((RAPID, p, costs.home_node), prices, fixed) for p in costs.members[i])
+        value += sum(min(0, reduced) for reduced in prices.triples.values())
         value += sum(self._excess(i, j, reduced, prices) for (i, j), reduced in prices.excess.items())
         most = [max(prices.node[p] for p in nodes) for nodes in costs.members]
         for i, j in self.least:
@@ -324,7 +354,7 @@ class Tree:
     def _excess(self, i: int, j: int, reduced: int, prices: Prices) -> int:
         """Return the least that an e adds to the value: it is at most the number of pairs of nodes."""
         self.budget.spend(len(prices.partitions))
-        reduced += sum(price * (k - 2) for price, label, k in prices.partitions if label[i] != label[j])
+        reduced += sum(price for price, label in prices.partitions if label[i] != label[j])
         return min(0, reduced) * len(self.costs.members[i]) * len(self.costs.members[j])
 
     def _tempting(self, i: int, j: int, most: list[int], prices: Prices) -> Iterator[Edge]:
@@ -383,13 +413,15 @@ class Tree:
         costs = self.costs
         places = costs.home + 1
         single, double = ([[0] * places for _ in range(places)] for _ in range(2))
-        prices = Prices([0] * (costs.home_node + 1), single, double, [0] * places, 0, [], {}, {}, {}, {}, [], 0)
+        prices = Prices(
+            [0] * (costs.home_node + 1), single, double, [0] * places, 0, [], {}, {}, {}, {}, [], {}, 0
+        )
         for entry in entries(multipliers, "multipliers"):
             index, price = (integer(each, "multiplier") for each in entries(entry, "multipliers", count=2))
             require(0 <= index < len(self.rows), f"there is no row {show(index)}")
             kind, *content = self.rows[index]
             require(price >= 0 or kind == "home", "a negative multiplier of a row that is no equation")
-            self.budget.spend(places * places if kind == "partition" else 100)
+            self.budget.spend(places * places if kind in ("partition", "rank") else 100)
             getattr(self, f"_add_{kind}")(prices, price, *content)
         return prices
 
@@ -406,13 +438,41 @@ class Tree:
 
     def _add_partition(self, prices: Prices, price: int, label: list[int], count: int) -> None:
         prices.value += price * count * (count - 1)
-        prices.partitions.append((price, label, count))
+        prices.partitions.append((price * (count - 2), label))
+        self._add_across(prices, label, price * (count - 1), price * count)
+
+    def _add_rank(self, prices: Prices, price: int, label: list[int], count: int, family: list[Triple]) -> None:
+        prices.value += price * (count - 1)
+        prices.partitions.append((price, label))
+        self._add_across(prices, label, price, price)
+        for triple in family:
+            if len({label[place] for place in triple}) > 1:
+                prices.triples[triple] = prices.triples.get(triple, 0) + price
+
+    def _add_across(self, prices: Prices, label: list[int], by_single: int, by_double: int) -> None:
+        """Add prices to what joins different parts."""
         for i, mine in enumerate(label):
             single, double = prices.single[i], prices.double[i]
             for j in range(i + 1, len(label)):
                 if label[j] != mine:
-                    single[j] += price * (count - 1)
-                    double[j] += price * count
+                    single[j] += by_single
+                    double[j] += by_double
+
+    def _add_triangle(
+        self, prices: Prices, price: int, places: Triple, triple: Triple, *sets: frozenset[int]
+    ) -> None:
+        i, j, k = places
+        prices.triples[triple] = prices.triples.get(triple, 0) - price
+        pair = min(i, j), max(i, j)
+        prices.excess[pair] = prices.excess.get(pair, 0) - 2 * price
+        # All edges among the three count 1, but 2 - 1 of the pair and with a node of a set they are 2 less.
+        for one, other in combinations(triple, 2):
+            prices.single[one][other] += price
+        for inside, near in zip(sets, ((j, k), (i, k)), strict=True):
+            for node in inside:
+                prices.node[node] += price
+                for place in near:
+                    prices.toward[node, place] = prices.toward.get((node, place), 0) + 2 * price
 
     def _add_parity(self, prices: Prices, price: int, inside: frozenset[int], odd: list[Edge]) -> None:
         prices.value += price * (1 - len(odd))

@@ -2,6 +2,7 @@ r"""Rows of the model of links, by what names them; proofs are in ``docs/certifi
 
     s_e    link or rapid e is passed once          d_ij   contours i, j (or i and the home) are joined twice
     s_ij   sum of s_e between places i and j       e_ij   half of s_ij, rounded down
+    t_ij   s_ij - 2 e_ij, 0 or 1                   w_ijk  t_ij t_jk t_ik
     W      a set of contours; T a tree of links that joins them; ends(W) rapid ends at contours of W
 
     (1) home       s(delta(home)) + 2 d(delta(home)) = 2
@@ -12,12 +13,17 @@ r"""Rows of the model of links, by what names them; proofs are in ``docs/certifi
     (5) group      ends(W) + 2 sum of (s_e + d_e) over e in T <= 2 |W|
     (6) once       s_ij - 2 e_ij <= 1
     (7) bundle     s_ij - 2 e_ij <= s(T : not j) + s(i \ T : j)     T a set of nodes of place i
+    (8) triangle   t_ij <= w_ijk + R_i + R_j,  R_i = s(T : not j, k) + s(i \ T : j, k)    T a set of nodes of i
+    (9) rank       (s + d - e)(delta(P)) - sum of w over triples of F that P parts >= k - 1
+                                                                    no two triples of F share two places
 
 (2) with k = 2 says that each set of contours is left twice; for all k it says that a tree of d alone needs
 k - 1 of them and a circle of s alone k. It is stronger than either (d counts double, a tree has k - 1 edges).
 (3) says that each node set is passed an even number of times. (5) says that a group has two rapid ends: the
 used links of a tree make |W| - (their number) groups. By (7) the single edges between two places are even
-in number where their nodes at place i have no other edges; in (2) two of them count as one joint.
+in number where their nodes at place i have no other edges; in (2) two of them count as one joint. By (8) three
+places that are joined in a triangle of nodes without other edges make w = 1; in (9) such a triangle counts as
+two joints.
 """
 
 from collections.abc import Hashable
@@ -28,12 +34,14 @@ import numpy as np
 from cutgap.formulations.branch_and_cut.model import Row
 from cutgap.instances.arrays import Floats, Ints
 
-LINK, RAPID, DOUBLE, EXCESS = 0, 1, 2, 3
-"""Kinds of variables: s of links, s of rapids, d, e."""
+LINK, RAPID, DOUBLE, EXCESS, TRIPLE = 0, 1, 2, 3, 4
+"""Kinds of variables: s of links, s of rapids, d, e, w."""
 
 Pair = tuple[int, int]
 Edge = tuple[int, int, int]
-"""Kind, and its ends: nodes, or places for ``DOUBLE`` and ``EXCESS``, in ascending order."""
+"""Kind, and its ends: nodes, or places for ``DOUBLE`` and ``EXCESS``, in ascending order.
+
+w_ijk has the ends i and j * places + k, so that no end of it is a place of another kind."""
 
 HOME = ("home",)
 PIERCES = ("pierces",)
@@ -94,11 +102,79 @@ class Partition:
 
     def coefficients(self, columns: Columns, places: int) -> Floats:
         """Return the coefficients of columns, among so many places."""
-        label = self.labels(places)
-        across = label[columns.places] != label[columns.others]
         rest = self.count - 1
-        shares = np.array([1.0, 1.0, self.count / rest, (1 - rest) / rest])
-        return np.where(across, shares[columns.kinds], 0.0)
+        shares = np.array([1.0, 1.0, self.count / rest, (1 - rest) / rest, 0.0])
+        return np.where(_across(self.labels(places), columns), shares[columns.kinds], 0.0)
+
+
+def _across(label: Ints, columns: Columns) -> Ints:
+    """Return which columns join different parts, but for w."""
+    pairs = columns.kinds != TRIPLE
+    return pairs & (label[columns.places] != label[np.where(pairs, columns.others, 0)])
+
+
+Triple = tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Rank:
+    """(9) for a partition and triples of places."""
+
+    partition: Partition
+    triples: frozenset[Triple]
+
+    @property
+    def row(self) -> Row:
+        """The row without its coefficients."""
+        return Row(self, self.partition.count - 1.0)
+
+    def coefficients(self, columns: Columns, places: int) -> Floats:
+        """Return the coefficients of columns, among so many places."""
+        shares = np.array([1.0, 1.0, 1.0, -1.0, 0.0])
+        label = self.partition.labels(places)
+        values = np.where(_across(label, columns), shares[columns.kinds], 0.0)
+        for i, j, k in self.triples:
+            if len({label[i], label[j], label[k]}) > 1:
+                same = (columns.kinds == TRIPLE) & (columns.tails == i) & (columns.heads == j * places + k)
+                values[same] = -1.0
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class Triangle:
+    """(8) for two places and a third one, with sets of nodes of the two."""
+
+    pair: Pair
+    third: int
+    nodes: tuple[frozenset[int], frozenset[int]]
+
+    @property
+    def triple(self) -> Triple:
+        """The three places, ascending."""
+        i, j, k = sorted((*self.pair, self.third))
+        return i, j, k
+
+    @property
+    def row(self) -> Row:
+        """The row without its coefficients."""
+        return Row(self, 0.0)
+
+    def coefficients(self, columns: Columns, places: int) -> Floats:
+        """Return the coefficients of columns, among so many places."""
+        i, j, k = self.triple
+        values = np.where(
+            (columns.kinds == TRIPLE) & (columns.tails == i) & (columns.heads == j * places + k), 1.0, 0.0
+        )
+        own = (columns.places == self.pair[0]) & (columns.others == self.pair[1])
+        values[own & (columns.kinds == EXCESS)] = 2.0
+        single = columns.kinds < DOUBLE
+        both = np.isin(columns.places, self.triple) & np.isin(columns.others, self.triple)
+        values[single & both] = 1.0
+        for nodes in self.nodes:
+            for ends in (columns.tails, columns.heads):
+                inside = single & np.isin(ends, list(nodes))
+                values[inside] += np.where(both[inside], -1.0, 1.0)
+        return values
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,12 +256,12 @@ class Bundle:
         return np.where(inside, np.where(same, -1.0, 1.0), values)
 
 
-Cut = Partition | Parity | Group | Bundle
+Cut = Partition | Rank | Triangle | Parity | Group | Bundle
 
 
 def coefficients(name: Hashable, columns: Columns, home: int) -> Floats:
     """Return the coefficients of columns in a row; ``home`` is the home's place."""
-    if isinstance(name, Partition):
+    if isinstance(name, Partition | Rank | Triangle):
         return name.coefficients(columns, home + 1)
     if isinstance(name, Parity | Bundle):
         return name.coefficients(columns)
@@ -193,5 +269,5 @@ def coefficients(name: Hashable, columns: Columns, home: int) -> Floats:
         return name.coefficients(columns, home)
     at_home = columns.others == home
     if name == HOME:
-        return np.where(at_home, np.array([1.0, 1.0, 2.0, 0.0])[columns.kinds], 0.0)
+        return np.where(at_home, np.array([1.0, 1.0, 2.0, 0.0, 0.0])[columns.kinds], 0.0)
     return np.where((columns.kinds == RAPID) & ~at_home, -1.0, 0.0)

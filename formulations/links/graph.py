@@ -9,6 +9,7 @@ Costs are in mm of rapid: a length, and for the makespan the time of a link or a
 import heapq
 
 import numpy as np
+from scipy.cluster.hierarchy import DisjointSet
 from scipy.spatial.distance import cdist
 
 from cutgap.instances import Instance, Rules
@@ -16,6 +17,8 @@ from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.links.clearance import Bools, blocked
 
 Pair = tuple[int, int]
+Multigraph = dict[tuple[int, int, int], int]
+"""How often each link and rapid is passed, by its kind (see ``cuts``) and its nodes."""
 
 
 class LinkGraph:
@@ -94,34 +97,20 @@ class LinkGraph:
         members = self.members(place)
         return members.start + int(self.rapids[members, self.home_node].argmin()), self.home_node
 
-    def tree(self, lengths: Floats | None = None) -> list[Pair]:
-        """Return the cheapest clear links that join contours as far as links can (Kruskal).
-
-        Parameters
-        ----------
-        lengths
-            What links between places count, shape (places, places); their costs unless given.
-        """
-        order = self.least if lengths is None else lengths
-        leader = list(range(self.places))
-
-        def find(place: int) -> int:
-            while leader[place] != place:
-                leader[place] = place = leader[leader[place]]
-            return place
-
-        heap = [(float(order[i, j]), i, j) for i in range(self.home) for j in range(i)]
+    def tree(self) -> list[Pair]:
+        """Return the cheapest clear links that join contours as far as links can (Kruskal)."""
+        joints = DisjointSet(range(self.places))
+        heap = [(float(self.least[i, j]), i, j) for i in range(self.home) for j in range(i)]
         heapq.heapify(heap)
         found: list[Pair] = []
-        while heap and len(found) < self.home - 1:
+        while heap:
             _, i, j = heapq.heappop(heap)
-            if find(i) == find(j) or not np.isfinite(self.least[i, j]):
+            if joints.connected(i, j) or not np.isfinite(self.least[i, j]):
                 continue
             p, q = self.cheapest(i, j)
             if self.clear(np.array([p]), np.array([q]))[0]:
-                leader[find(i)] = find(j)
+                joints.merge(i, j)
                 found.append((min(p, q), max(p, q)))
             else:
-                again = self.least[i, j] if lengths is None else lengths[i, j]
-                heapq.heappush(heap, (float(again), i, j))
+                heapq.heappush(heap, (float(self.least[i, j]), i, j))
         return found

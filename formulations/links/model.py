@@ -5,11 +5,12 @@ r"""The cheapest even connected multigraph of links and rapids, as branch and cu
                d_ij in {0, 1}   contours i, j are joined by a link that is passed twice, or
                                 contour i and the home by a rapid                                [-]
                e_ij             half of the s between places i and j, rounded down               [-]
+               w_ijk in {0, 1}  the numbers of single edges between i, j, k are all odd          [-]
     Data       c_e >= 0         what one pass costs (see ``graph``)                              [mm]
 
     min  sum_e c_e s_e + sum_ij 2 c_ij d_ij,   c_ij the least cost of a clear link between i and j
 
-subject to the rows (1) to (7) of ``cuts``. Some best plan is such a point: of several doubled links between two
+subject to the rows (1) to (9) of ``cuts``. Some best plan is such a point: of several doubled links between two
 contours one is enough, and none is needed beside a single one, as even nodes and connection stay.
 
 Columns enter when their reduced cost asks for it. Only then a link is tested for clearance; one that leads
@@ -19,6 +20,7 @@ Source: Edmonds, Johnson (1973) for even sets of edges; Chopra (1989) for partit
 """
 
 from collections.abc import Hashable, Sequence
+from itertools import permutations
 
 import numpy as np
 from numba import njit
@@ -32,6 +34,7 @@ from cutgap.formulations.links.cuts import (
     LINK,
     PIERCES,
     RAPID,
+    TRIPLE,
     Bundle,
     Columns,
     Cut,
@@ -39,17 +42,17 @@ from cutgap.formulations.links.cuts import (
     Group,
     Parity,
     Partition,
+    Rank,
+    Triangle,
     coefficients,
 )
-from cutgap.formulations.links.graph import LinkGraph
-from cutgap.formulations.links.separation import Point, bundles, group_cuts, parities, partitions
+from cutgap.formulations.links.graph import LinkGraph, Multigraph
+from cutgap.formulations.links.rounding import rounded
+from cutgap.formulations.links.separation import Point, bundles, group_cuts, parities, partitions, ranks
 from cutgap.instances.arrays import Floats, Ints
 
 NEGATIVE = 1e-7
 """Reduced costs below minus this, in mm, ask for a column."""
-
-Multigraph = dict[Edge, int]
-"""How often each link and rapid, between nodes, is passed."""
 
 
 class LinkModel(Model):
@@ -57,11 +60,10 @@ class LinkModel(Model):
 
     def __init__(self, graph: LinkGraph, known: Multigraph) -> None:
         super().__init__()
-        self.graph = graph
+        self.graph, self.tree = graph, graph.tree()
         self.columns = Columns.of([], graph.place_of)
-        self.priced = np.zeros((4, graph.nodes, graph.nodes), dtype=np.bool_)
-        self.best: tuple[float, Multigraph] | None = None
-        self._sum = 0.0
+        self.priced = np.zeros((3, graph.nodes, graph.nodes), dtype=np.bool_)
+        self.counted: set[Edge] = set()  # e and w that have a column
         self.add_row(Row(HOME, 2.0, equal=True))
         if graph.pierces is not None and graph.pierces > 1:
             self.add_row(Row(PIERCES, 1.0 - graph.pierces))
@@ -73,7 +75,7 @@ class LinkModel(Model):
         graph, place_of = self.graph, self.graph.place_of.tolist()
         edges: list[Edge] = [(DOUBLE, contour, graph.home) for contour in range(graph.home)]
         edges += [(RAPID, *graph.nearest_rapid(contour)) for contour in range(graph.home)]
-        edges += [(DOUBLE, place_of[p], place_of[q]) for p, q in graph.tree()]
+        edges += [(DOUBLE, place_of[p], place_of[q]) for p, q in self.tree]
         for (kind, tail, head), passes in known.items():
             if passes == 2:
                 edges.append((DOUBLE, place_of[tail], place_of[head]))
@@ -84,7 +86,7 @@ class LinkModel(Model):
 
     def _cost(self, edge: Edge) -> float:
         kind, tail, head = edge
-        if kind == EXCESS:
+        if kind in (EXCESS, TRIPLE):
             return 0.0
         if kind == DOUBLE:
             rapid = head == self.graph.home
@@ -103,18 +105,28 @@ class LinkModel(Model):
         costs = np.array([self._cost(edge) for edge in edges])
         self.lp.add_columns(costs, np.zeros(len(new)), self._upper(new), starts, rows, table[columns, rows])
         self.columns += new
-        self.priced[new.kinds, new.tails, new.heads] = True
+        priced = new.kinds < EXCESS
+        self.priced[new.kinds[priced], new.tails[priced], new.heads[priced]] = True
 
     def _upper(self, columns: Columns) -> Floats:
         """Return the upper bounds of columns: an e is not above the pairs of nodes."""
-        sizes = np.diff(self.graph.first)
-        pairs = sizes[columns.places] * sizes[columns.others]
-        return np.where(columns.kinds == EXCESS, pairs, 1).astype(np.float64)
+        sizes, excess = np.diff(self.graph.first), columns.kinds == EXCESS
+        upper = np.ones(len(columns))
+        upper[excess] = sizes[columns.places[excess]] * sizes[columns.others[excess]]
+        return upper
 
     def add_cut(self, cut: Cut) -> None:
         """Append a row of ``cuts`` by its name."""
-        if isinstance(cut, Bundle) and not self.priced[cut.excess]:
-            self._add_columns([cut.excess])
+        places, needed = self.graph.places, list[Edge]()
+        if isinstance(cut, Bundle):
+            needed = [cut.excess]
+        elif isinstance(cut, Triangle):
+            i, j, k = cut.triple
+            needed = [(EXCESS, *cut.pair), (TRIPLE, i, j * places + k)]
+        elif isinstance(cut, Rank):
+            needed = [(TRIPLE, i, j * places + k) for i, j, k in sorted(cut.triples)]
+        self._add_columns([edge for edge in needed if edge not in self.counted])
+        self.counted.update(needed)
         values = coefficients(cut, self.columns, self.graph.home)
         hits = np.flatnonzero(values)
         self.add_row(cut.row, hits, values[hits])
@@ -221,6 +233,8 @@ class LinkModel(Model):
         found: list[Cut] = [*partitions(point, thorough=thorough)]
         found += parities(point, thorough=thorough)
         found += bundles(point, self.graph.first)
+        if thorough:
+            found += ranks(point, self.graph.first)
         if self.graph.pierces != 1:
             found += group_cuts(point)
         known: set[Hashable] = {row.name for row in self.rows}
@@ -232,27 +246,27 @@ class LinkModel(Model):
     # Search
 
     def round(self) -> tuple[float, Multigraph] | None:
-        return (
-            None if (np.abs(self.solution.x - np.round(self.solution.x)) > INTEGRALITY).any() else self._own()
-        )
-
-    def _own(self) -> tuple[float, Multigraph] | None:
-        """Return an integral point that misses no row."""
         point = self.point()
-        if partitions(point, thorough=False) or parities(point, thorough=False):
-            return None
-        if bundles(point, self.graph.first):
-            return None
-        if self.graph.pierces != 1 and group_cuts(point):
-            return None
-        return self.value(point.columns.edges())
+        part = point.columns.kinds < EXCESS
+        if (np.abs(point.x - np.round(point.x))[part] <= INTEGRALITY).all() and self._is_plan(point):
+            return self.value(point.columns.edges())
+        edges = rounded(self.graph, self.tree, point)
+        return None if edges is None else self.value(edges)
+
+    def _is_plan(self, point: Point) -> bool:
+        """Whether an integral point is connected and even, and its groups have two rapid ends each."""
+        single = point.columns.kinds < DOUBLE
+        ends = np.concatenate([point.columns.tails[single], point.columns.heads[single]])
+        if point.support(1.0, 2.0).components().any() or (np.bincount(ends) % 2).any():
+            return False
+        return self.graph.pierces == 1 or not group_cuts(point)
 
     def value(self, edges: list[Edge]) -> tuple[float, Multigraph]:
         """Return the cost and the passes of a point by its edges."""
         passes: Multigraph = {}
         for edge in edges:
             kind, tail, head = edge
-            if kind == EXCESS:
+            if kind in (EXCESS, TRIPLE):
                 continue
             if kind == DOUBLE:
                 rapid = head == self.graph.home
@@ -270,7 +284,7 @@ class LinkModel(Model):
         """Take doubles and single edges half and half, each the nearest to a half."""
         x = self.solution.x
         distance = np.abs(x - np.floor(x) - 0.5)
-        fractional = np.flatnonzero((distance < 0.5 - INTEGRALITY) & (self.columns.kinds != EXCESS))
+        fractional = np.flatnonzero((distance < 0.5 - INTEGRALITY) & (self.columns.kinds < EXCESS))
         order = fractional[np.argsort(distance[fractional], kind="stable")]
         double = self.columns.kinds[order] == DOUBLE
         columns = [*order[double][: most // 2].tolist(), *order[~double][: most // 2].tolist()]
@@ -309,6 +323,13 @@ class Prices:
                 self.end[members] -= price
                 self.double[members, graph.home] -= 2.0 * price
                 self.double[graph.home, members] -= 2.0 * price
+            elif isinstance(name, Rank):
+                label = name.partition.labels(graph.places)
+                across = price * (label[:, None] != label)
+                self.single += across
+                self.double += across
+            elif isinstance(name, Triangle):
+                self._add_triangle(name, price)
             elif isinstance(name, Bundle):
                 self._add_bundle(name, price)
             elif name == HOME:
@@ -322,6 +343,14 @@ class Prices:
         for index, nodes in enumerate(sets):
             self.masks[list(nodes), index] = True
         self.sets = np.array(prices)
+
+    def _add_triangle(self, triangle: Triangle, price: float) -> None:
+        for one, other in permutations(triangle.triple, 2):
+            self.single[one, other] += price
+        for members, place in zip(map(list, triangle.nodes), reversed(triangle.pair), strict=True):
+            self.node[members] += price
+            self.toward[members, place] -= 2.0 * price
+            self.toward[members, triangle.third] -= 2.0 * price
 
     def _add_bundle(self, bundle: Bundle, price: float) -> None:
         if bundle.nodes is None:

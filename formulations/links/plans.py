@@ -9,8 +9,7 @@ import networkx
 import numpy as np
 
 from cutgap.formulations.links.cuts import LINK, RAPID
-from cutgap.formulations.links.graph import LinkGraph, Pair
-from cutgap.formulations.links.model import Multigraph
+from cutgap.formulations.links.graph import LinkGraph, Multigraph, Pair
 from cutgap.instances import Instance, Plan, Visit
 from cutgap.instances.entry_tours import EntrySearch, plain_task
 from cutgap.instances.links.strokes import groups, link_ends, strokes

@@ -9,7 +9,7 @@ import numpy as np
 from cutgap.formulations.branch_and_cut.engine import Outcome
 from cutgap.formulations.branch_and_cut.model import Fixing, Proof
 from cutgap.formulations.certify import SCALE, Certificate, Family, Rows, certificate_of, flat_tree, leaf_proof
-from cutgap.formulations.links.cuts import DOUBLE, LINK, RAPID, Bundle, Group, Parity, Partition
+from cutgap.formulations.links.cuts import DOUBLE, LINK, RAPID, Bundle, Group, Parity, Partition, Rank, Triangle
 from cutgap.formulations.links.graph import LinkGraph
 from cutgap.formulations.links.model import Prices
 from cutgap.formulations.split_proof import MULTIPLIER_SCALE
@@ -119,6 +119,11 @@ def _family(name: Any, graph: LinkGraph) -> Family:
         links = {(int(graph.place_of[p]), int(graph.place_of[q])): [p, q] for p, q in name.tree}
         joints = [[*joint, *links.get(joint, [])] for joint in sorted(name.joints)]
         return ["group", sorted(name.contours), joints], factor
+    if isinstance(name, Rank):
+        parts = sorted(sorted(part) for part in name.partition.parts)
+        return ["rank", parts, [list(triple) for triple in sorted(name.triples)]], factor
+    if isinstance(name, Triangle):
+        return ["triangle", *name.pair, name.third, *(sorted(nodes) for nodes in name.nodes)], factor
     if isinstance(name, Bundle):
         if name.nodes is None:
             return ["once", name.place, name.other], factor

@@ -8,6 +8,7 @@ min(s, 1 - s), each with its best odd set (Padberg, Rao, 1982; Letchford, Reinel
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numba import njit
@@ -19,18 +20,26 @@ from cutgap.formulations.links.cuts import (
     EXCESS,
     LINK,
     RAPID,
+    TRIPLE,
     Bundle,
     Columns,
     Cut,
+    Edge,
     Group,
     Parity,
     Partition,
+    Rank,
+    Triangle,
+    Triple,
     coefficients,
 )
 from cutgap.instances.arrays import Floats, Ints
 
 VIOLATION = 1e-5
 """Least violation that is worth a row."""
+
+SMALL = 0.02
+"""Triangles of less weight than this are not looked at."""
 
 ENOUGH = 1e6
 """Capacity that no cut takes."""
@@ -46,8 +55,10 @@ class Point:
 
     def support(self, single: float, double: float, excess: float = 0.0) -> Support:
         """Return the graph of places where s, d and e count so much each."""
-        weights = self.x * np.array([single, single, double, excess])[self.columns.kinds]
-        graph = Support(self.places, self.columns.places, self.columns.others, weights)
+        pairs = self.columns.kinds != TRIPLE
+        weights = self.x * np.array([single, single, double, excess, 0.0])[self.columns.kinds]
+        ends = (self.columns.places[pairs], self.columns.others[pairs])
+        graph = Support(self.places, *ends, weights[pairs])
         return graph.shrink(np.arange(self.places), self.places)
 
     def missing(self, cut: Cut) -> float:
@@ -174,24 +185,81 @@ def _odd_cuts(
             )
 
 
-def bundles(point: Point, first: Ints) -> list[Bundle]:
-    """Return violated (6) and (7), these each with its best set of nodes; ``first`` is each place's first node."""
+def _toward(point: Point, first: Ints) -> tuple[Floats, Floats]:
+    """Return the single edges from each node to each place, and t of each two places."""
     columns = point.columns
-    single = np.flatnonzero(columns.kinds < DOUBLE)
-    ends = np.concatenate([columns.tails[single], columns.heads[single]])
-    mine = np.concatenate([columns.places[single], columns.others[single]])
-    other = np.concatenate([columns.others[single], columns.places[single]])
-    s = np.tile(point.x[single], 2)
-    toward: np.ndarray = np.zeros((int(first[-1]), point.places))
-    np.add.at(toward, (ends, other), s)
+    single = columns.kinds < DOUBLE
+    toward = np.zeros((int(first[-1]), point.places))
+    np.add.at(toward, (columns.tails[single], columns.others[single]), point.x[single])
+    np.add.at(toward, (columns.heads[single], columns.places[single]), point.x[single])
+    odds = np.add.reduceat(toward, first[:-1], axis=0)
+    excess = columns.kinds == EXCESS
+    pairs = columns.places[excess], columns.others[excess]
+    odds[pairs] -= 2.0 * point.x[excess]
+    odds[pairs[::-1]] -= 2.0 * point.x[excess]
+    return toward, odds
+
+
+def ranks(point: Point, first: Ints) -> list[Cut]:
+    """Return violated (9) for the triples that must be triangles, and the (8) that say so."""
+    forced = {
+        each.triple: (amount, each) for amount, each in sorted(_triangles(point, first), key=lambda a: a[0])
+    }
+    used: set[tuple[int, int]] = set()
+    family: dict[Triple, float] = {}
+    for triple, (amount, _) in sorted(forced.items(), key=lambda item: (-item[1][0], item[0])):
+        pairs = set(combinations(triple, 2))
+        if amount > SMALL and not pairs & used:
+            used |= pairs
+            family[triple] = amount
+    if not family:
+        return []
+    values = np.array(list(family.values()))
+    edges: list[Edge] = [(EXCESS, *pair) for triple in family for pair in combinations(triple, 2)]
+    shares = Columns.of(edges, np.zeros(1, dtype=np.int64))
+    found: list[Cut] = []
+    for share in (1.0 / 2.0, 2.0 / 3.0):
+        support = Point(point.columns + shares, np.append(point.x, np.repeat(share * values, 3)), point.places)
+        graph = support.support(1.0, 1.0, -1.0)
+        label = _truncation(graph.tails, graph.heads, graph.x, np.roll(np.arange(point.places), 1))
+        if len(np.unique(label)) < 3:
+            continue
+        cut = Rank(_of_labels(label, point.places - 1), frozenset(family))
+        crossed = sum(amount for triple, amount in family.items() if len(set(label[list(triple)].tolist())) > 1)
+        plain = Rank(cut.partition, frozenset())
+        if point.missing(plain) + crossed > VIOLATION:
+            found += [cut, *(forced[triple][1] for triple in family)]
+    return list(dict.fromkeys(found))
+
+
+def _triangles(point: Point, first: Ints) -> Iterator[tuple[float, Triangle]]:
+    """Yield the least that w must be by (8), for every triple of places that are joined by single edges."""
+    toward, odds = _toward(point, first)
+    near = [set(np.flatnonzero(row > SMALL).tolist()) for row in odds]
+    total = toward.sum(axis=1)
+    for i in range(point.places):
+        for j in (each for each in near[i] if each > i):
+            for k in near[i] & near[j]:
+                sets, loose = [], 0.0
+                for mine, other in ((i, j), (j, i)):
+                    members = slice(first[mine], first[mine + 1])
+                    inside = toward[members, other] + toward[members, k]
+                    outside = total[members] - inside
+                    loose += float(np.minimum(inside, outside).sum())
+                    nodes = first[mine] + np.flatnonzero(inside > outside)
+                    sets.append(frozenset(nodes.tolist()))
+                if odds[i, j] - loose > SMALL:
+                    yield float(odds[i, j]) - loose, Triangle((i, j), k, (sets[0], sets[1]))
+
+
+def bundles(point: Point, first: Ints) -> list[Bundle]:
+    """Return violated (6) and (7), these each with its best nodes; ``first`` holds the places' first nodes."""
+    toward, odds = _toward(point, first)
     away = toward.sum(axis=1)[:, None] - toward
-    excess = np.zeros((point.places, point.places))
-    is_excess = columns.kinds == EXCESS
-    excess[columns.places[is_excess], columns.others[is_excess]] = point.x[is_excess]
     found = []
-    for i, j in sorted({*zip(mine.tolist(), other.tolist(), strict=True)}):
+    for i, j in np.argwhere(np.abs(odds) > VIOLATION).tolist():
         members = slice(first[i], first[i + 1])
-        odd = toward[members, j].sum() - 2.0 * excess[min(i, j), max(i, j)]
+        odd = odds[i, j]
         if i < j and odd > 1.0 + VIOLATION:
             found.append(Bundle(i, j, None))
         if odd > np.minimum(toward[members, j], away[members, j]).sum() + VIOLATION:
@@ -207,8 +275,10 @@ def group_cuts(point: Point) -> list[Group]:
     weights = point.x * np.where(
         columns.kinds == RAPID, 1.0, np.where(at_home & (columns.kinds == DOUBLE), 2.0, 0.0)
     )
-    ends = np.bincount(columns.places, weights=weights, minlength=point.places)
-    ends += np.bincount(columns.others, weights=weights, minlength=point.places)
+    ends = np.zeros(point.places)
+    ending = np.flatnonzero(weights)
+    np.add.at(ends, columns.places[ending], weights[ending])
+    np.add.at(ends, columns.others[ending], weights[ending])
     found = [Group(frozenset([place])) for place in np.flatnonzero(ends[:home] > 2.0 + VIOLATION).tolist()]
     members = {place: [place] for place in range(home)}
     trees: dict[int, list[tuple[int, int, int, int]]] = {place: [] for place in range(home)}
