@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cutgap.formulations.compact_bound import certified_bound, linear_bound
     from cutgap.formulations.front_door import METHODS, choose, resolve, solve
     from cutgap.formulations.link_points import best_link_points, polish
+    from cutgap.formulations.links.outlines import outline_bound
     from cutgap.formulations.pareto import pareto_front
     from cutgap.formulations.relaxations.assignment import assignment, two_matching
     from cutgap.formulations.relaxations.bisection import bisection
@@ -31,6 +32,7 @@ _HOMES = {
     "compact_bound": ("certified_bound", "linear_bound"),
     "front_door": ("METHODS", "choose", "resolve", "solve"),
     "link_points": ("best_link_points", "polish"),
+    "links.outlines": ("outline_bound",),
     "pareto": ("pareto_front",),
     "relaxations.assignment": ("assignment", "two_matching"),
     "relaxations.bisection": ("bisection",),
@@ -61,6 +63,7 @@ __all__ = [
     "linear_bound",
     "links_model",
     "one_tree",
+    "outline_bound",
     "pareto_front",
     "perspective_bound",
     "polish",

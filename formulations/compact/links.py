@@ -160,11 +160,12 @@ class LinksModel:
 
     def _bound(self, plan: Plan | None, outcome: Outcome) -> float | None:
         if plan is None or outcome.value is None:
-            return outcome.safe_bound
+            return outcome.safe_bound(0.0)
         value = evaluate(self.instance, plan).objective(self.rules)
         if outcome.state == "optimal" and abs(value - outcome.value) <= AGREEMENT * max(1.0, abs(value)):
             return value
-        return None if outcome.safe_bound is None else min(outcome.safe_bound, value)
+        bound = outcome.safe_bound(0.0)
+        return None if bound is None else min(bound, value)
 
 
 def links_model(instance: Instance, rules: Rules) -> LinksModel:

@@ -2,7 +2,7 @@
 
 import copy
 from functools import cache
-from itertools import combinations
+from itertools import combinations, permutations
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,19 @@ def more_rows(rng: np.random.Generator, instance: Instance, rules: Rules) -> lis
     for i, j in combinations(range(count), 2):
         own = [(p, q) for p, q in pairs if (contour_of[p], contour_of[q]) == (i, j)]
         rows.append(["group", [i, j], [[i, j, *own[int(rng.integers(len(own)))]]]])
+    places = [*range(instance.node_count)]
+    for i, j in permutations(range(count + 1), 2):
+        own = [v for v in places if ([*contour_of, count][v] == i) and rng.random() < 0.5]
+        rows.append(["bundle", i, j, own])
+        rows += [["once", i, j]] if i < j else []
+        for k in set(range(count + 1)) - {i, j}:
+            other = [v for v in places if ([*contour_of, count][v] == j) and rng.random() < 0.5]
+            rows.append(["triangle", i, j, k, own, other])
+    triples = [list(triple) for triple in combinations(range(count + 1), 3)]
+    for _ in range(3 * (count > 1)):
+        triple = triples[int(rng.integers(len(triples)))]
+        parts = [[contour] for contour in range(count) if rng.random() < 0.7] or [[0]]
+        rows.append(["rank", parts, [triple]])
     for _ in range(12):
         inside = np.flatnonzero(rng.random(nodes) < rng.uniform(0.1, 0.7)).tolist() or [0]
         border = [edge for edge in edges if (edge[1] in inside) != (edge[2] in inside)]
@@ -176,26 +189,60 @@ def rows_of_links_have_their_coefficients(api: Any) -> None:
 
 
 def coefficient(name: list[Any], edge: tuple[str, int, int], place_of: list[int], home: int) -> int:
+    """What a row says of a variable s, r or d."""
     kind, tail, head = edge
     i, j = (tail, head) if kind == "d" else (place_of[tail], place_of[head])
+    single = kind != "d"
     match name:
         case ["home"]:
-            return (j == home) * (2 if kind == "d" else 1)
+            return (j == home) * (1 if single else 2)
         case ["pierces"]:
             return -(kind == "r" and j != home)
-        case ["partition", parts]:
+        case ["partition" | "rank", parts, *_]:
             labels = [next((n for n, part in enumerate(parts) if place in part), None) for place in (i, j)]
-            return (labels[0] != labels[1]) * (len(parts) + (kind == "d"))
+            weight = 1 if name[0] == "rank" else len(parts) + (not single)
+            return (labels[0] != labels[1]) * weight
         case ["parity", inside, [odd]]:
-            across = kind != "d" and (tail in inside) != (head in inside)
+            across = single and (tail in inside) != (head in inside)
             return across * (-1 if list(edge) == odd else 1)
         case ["group", contours, joints]:
             ends = (i in contours) + (j in contours)
             joined = any(edge in (("d", a, b), ("s", *nodes)) for a, b, *nodes in joints)
             if kind == "r" or j == home:
-                return -ends * (2 if kind == "d" else 1)
+                return -ends * (1 if single else 2)
             return -2 * joined
+        case ["once", *pair]:
+            return -(single and [i, j] == pair)
+        case ["bundle", place, other, inside]:
+            around = loose(edge, (place, {other}, inside), place_of)
+            return single * (around - ({i, j} == {place, other}))
+        case ["triangle", place, other, third, inside, outside]:
+            sides = (place, {other, third}, inside), (other, {place, third}, outside)
+            around = sum(loose(edge, side, place_of) for side in sides)
+            return single * (around - ({i, j} == {place, other}))
     raise AssertionError(name)
+
+
+def loose(edge: tuple[str, int, int], side: tuple[int, set[int], list[int]], place_of: list[int]) -> int:
+    """Whether a single edge leaves a place by a node of a set to elsewhere, or by another one to the places."""
+    place, near, inside = side
+    ends = [(v, w) for v, w in (edge[1:], edge[:0:-1]) if edge[0] != "d" and place_of[v] == place]
+    return sum((v in inside) != (place_of[w] in near) for v, w in ends)
+
+
+def counted(name: list[Any]) -> tuple[dict[tuple[int, ...], int], dict[tuple[int, ...], int]]:
+    """What a row says of the e that it names, and of the w."""
+    match name:
+        case ["once", i, j]:
+            return {(i, j): 2}, {}
+        case ["bundle", i, j, _]:
+            return {(min(i, j), max(i, j)): 2}, {}
+        case ["triangle", i, j, k, _, _]:
+            return {(min(i, j), max(i, j)): 2}, {tuple(sorted((i, j, k))): 1}
+        case ["rank", parts, [triple]]:
+            labels = {next((n for n, part in enumerate(parts) if place in part), None) for place in triple}
+            return {}, {tuple(triple): -1} if len(labels) > 1 else {}
+    return {}, {}
 
 
 def right_side(name: list[Any], rules: Rules) -> int:
@@ -206,11 +253,58 @@ def right_side(name: list[Any], rules: Rules) -> int:
             return 1 - (rules.pierces or 0)
         case ["partition", parts]:
             return len(parts) * (len(parts) + 1)
+        case ["rank", parts, _]:
+            return len(parts)
         case ["parity", _, odd]:
             return 1 - len(odd)
         case ["group", contours, _]:
             return -2 * len(contours)
-    raise AssertionError(name)
+        case ["once", *_]:
+            return -1
+    return 0
+
+
+@battery
+def joints_between_places_are_counted(api: Any) -> None:
+    """The e and w of all rows, and what an e adds that partitions speak of."""
+    rng = np.random.default_rng(8)
+    for seed, rules in CASES[:12]:
+        certificate, document, optimum = made(seed, rules)
+        if optimum is None:
+            continue
+        _, instance = drawn(seed)
+        names = more_rows(rng, instance, rules)
+        tree = tree_of(api, certificate, document, names)
+        for index, name in enumerate(names):
+            prices = tree._prices([[index, 1]])
+            excess, triples = counted(name)
+            assert prices.excess == {pair: -value for pair, value in excess.items()}, name
+            assert prices.triples == {triple: -value for triple, value in triples.items()}, name
+            if name[0] not in ("partition", "rank"):
+                assert prices.partitions == []
+                continue
+            ((weight, label),) = prices.partitions
+            assert weight == (1 if name[0] == "rank" else len(name[1]) - 1)
+            for i, j in combinations(range(len(label)), 2):
+                pairs = len(tree.costs.members[i]) * len(tree.costs.members[j])
+                crossed = weight * (label[i] != label[j])
+                assert tree._excess(i, j, -5, prices) == min(0, crossed - 5) * pairs
+
+
+@battery
+def negative_counts_are_paid(api: Any) -> None:
+    """A w or e of negative reduced cost makes the value less."""
+    certificate, document, _ = made(1, RULES[0])
+    rows = [["rank", [[0], [1], [2]], [[0, 1, 2]]], ["triangle", 0, 1, 2, [], []], ["once", 0, 1]]
+    tree = tree_of(api, certificate, document, rows)
+    far = 10**3 * certificate["multiplier_scale"] * SCALE
+    tree.least = {pair: (far, far) for pair in tree.least}  # no link or rapid between contours counts
+    pairs = len(tree.costs.members[0]) * len(tree.costs.members[1])
+    prices = tree._prices([[1, 1]])
+    assert (prices.triples[0, 1, 2], prices.excess[0, 1]) == (-1, -2)
+    assert tree._value([[1, 1]], {}) == -1 - 2 * pairs
+    assert tree._value([[2, 1]], {}) == -1 - 2 * pairs
+    assert tree._value([[1, 1], [0, 2]], {}) <= 2 * 3
 
 
 @battery

@@ -4,8 +4,9 @@ from certificate.mutants import Mutant, mutants
 
 REACHED = "proofs_of_links_reach_the_optimum"
 MOST = "links_prove_no_more_than_the_optimum"
-ROW = "each_row_alone_holds"
 COEFFICIENTS = "rows_of_links_have_their_coefficients"
+COUNTED = "joints_between_places_are_counted"
+PAID = "negative_counts_are_paid"
 FIXED = "fixed_variables_count_at_their_value"
 FORGED = "forged_proofs_of_links_are_refused"
 CLEAR = "links_are_blocked_or_clear"
@@ -15,13 +16,13 @@ PLANS = "plans_with_links_are_checked"
 LINKS: list[Mutant] = [
     *mutants(
         "links.py",
-        ROW,
+        COEFFICIENTS,
         ("prices.value += price * count * (count - 1)", "prices.value += price * count * count"),
         ("prices.value += price * (1 - len(odd))", "prices.value += price * (2 - len(odd))"),
         ("prices.value -= 2 * price * len(members)", "prices.value -= price * len(members)"),
         ("prices.value += price * (1 - (self.rules.pierces or 0))", "prices.value += price"),
-        ("double[j] += price * count", "double[j] += price * (count - 1)"),
-        ("single[j] += price * (count - 1)", "single[j] += price * (count - 2)"),
+        ("label, price * (count - 1), price * count)", "label, price * count, price * count)"),
+        ("label, price * (count - 1), price * count)", "label, price * (count - 1), price * (count + 1))"),
     ),
     *mutants(
         "links.py",
@@ -32,6 +33,41 @@ LINKS: list[Mutant] = [
         ("prices.tree.get(edge, 0) + 2 * price", "prices.tree.get(edge, 0) + price"),
         ("sum(2 * price for inside", "sum(price for inside"),
         ("prices.rapid if j < costs.home else 0", "prices.rapid"),
+    ),
+    *mutants(
+        "links.py",
+        COUNTED,
+        ("prices.excess.get((i, j), 0) - 2 * price", "prices.excess.get((i, j), 0) - price"),
+        ("prices.excess.get(pair, 0) - 2 * price", "prices.excess.get(pair, 0)"),
+        ("prices.triples.get(triple, 0) - price", "prices.triples.get(triple, 0)"),
+        ("prices.triples.get(triple, 0) + price", "prices.triples.get(triple, 0)"),
+        ("prices.partitions.append((price, label))", "pass"),
+        ("(price * (count - 2), label)", "(price * (count - 1), label)"),
+        ("len({label[place] for place in triple}) > 1", "len({label[place] for place in triple}) > 2"),
+        ("min(0, reduced) * len(self.costs.members[i])", "min(0, reduced)"),
+    ),
+    *mutants(
+        "links.py",
+        PAID,
+        ("value += sum(min(0, reduced) for reduced in prices.triples.values())", "pass"),
+        ("value += sum(self._excess(", "sum(self._excess("),
+    ),
+    *mutants(
+        "links.py",
+        COEFFICIENTS,
+        ("prices.value += price * (count - 1)", "prices.value += price * count"),
+        ("prices.single[i][j] -= price", "pass"),
+        ("prices.toward[node, j] = prices.toward.get((node, j), 0) + 2 * price", "pass"),
+        ("((j, k), (i, k))", "((i, k), (j, k))"),
+        ("prices.toward.get((p, j), 0) + prices.toward.get((q, i), 0)", "prices.toward.get((p, j), 0)"),
+        ("prices.single[one][other] += price", "prices.single[one][other] -= price"),
+    ),
+    *mutants(
+        "links.py",
+        FORGED,
+        ("len(set(pairs)) == len(pairs)", "True"),
+        ("inside.issubset(self.costs.members[place])", "True"),
+        ("i < j < k <= self.costs.home", "i <= j <= k <= self.costs.home"),
     ),
     *mutants(
         "links.py",

@@ -7,7 +7,7 @@ import pytest
 from oracles.link_plans import least
 from oracles.random_link_sheets import SIZES, instance_of, tiny
 
-from cutgap.formulations import solve
+from cutgap.formulations import outline_bound, solve
 from cutgap.formulations.certificate import verify
 from cutgap.instances import Contour, Head, Instance, Machine, Rules, Status, check
 from cutgap.instances.formats.json_format import format_instance
@@ -80,6 +80,31 @@ def test_touching_shapes_need_no_length() -> None:
     assert (result.status, result.value) == (Status.OPTIMAL, 0.0)
     assert result.evaluation is not None
     assert result.evaluation.pierces == (1,)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_outlines_bound_links_from_any_points(seed: int) -> None:
+    """The bound is below brute force over corners, and below it still when more points are given."""
+    sheet = tiny(np.random.default_rng(seed), SIZES[2 + seed % 4])
+    instance = instance_of(sheet)
+    for objective in ("travel", "makespan"):
+        for pierces in (None, 1):
+            best = least(sheet, objective, pierces)
+            bound = outline_bound(instance, Rules(objective, links=True, pierces=pierces))
+            assert best is None or bound <= best
+
+
+def test_the_bound_of_outlines_is_tight_for_two() -> None:
+    instance = sheet_of(square("a", 3, 4, 10), square("b", 20, 0, 10))
+    rules = Rules("travel", links=True, pierces=1)
+    # Home to the corner (3, 4) and back; 7 mm between edges, at y from 4 to 10 where no corner is.
+    assert outline_bound(instance, rules) == pytest.approx(10 + 14)
+    timed = replace(rules, objective="makespan")
+    # There an open stroke from a to b, by one link, asks for less than the way back.
+    assert outline_bound(instance, timed) == pytest.approx((5 + 20) / 100 + (7 + 80) / 10 + 7)
+    assert outline_bound(sheet_of(), rules) == 0.0
+    with pytest.raises(ValueError, match="allow no links"):
+        outline_bound(instance, Rules())
 
 
 def test_a_stopped_run_keeps_plan_and_bound() -> None:
