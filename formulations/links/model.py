@@ -27,6 +27,7 @@ from numba import njit
 
 from cutgap.formulations.branch_and_cut.model import Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.tour import INTEGRALITY
+from cutgap.formulations.links import wording
 from cutgap.formulations.links.cuts import (
     DOUBLE,
     EXCESS,
@@ -50,6 +51,7 @@ from cutgap.formulations.links.graph import LinkGraph, Multigraph
 from cutgap.formulations.links.rounding import rounded
 from cutgap.formulations.links.separation import Point, bundles, group_cuts, parities, partitions, ranks
 from cutgap.instances.arrays import Floats, Ints
+from cutgap.instances.scene import Decision, Inequality, Leg
 
 NEGATIVE = 1e-7
 """Reduced costs below minus this, in mm, ask for a column."""
@@ -292,6 +294,20 @@ class LinkModel(Model):
 
     def children(self, variable: int) -> tuple[Fixing, Fixing]:
         return Fixing(variable, 0.0, 0.0), Fixing(variable, 1.0, 1.0)
+
+    # For who watches
+
+    def legs(self) -> tuple[Leg, ...]:
+        return wording.legs(self)
+
+    def inequality(self, row: Row) -> Inequality:
+        return wording.inequality(self, row)
+
+    def decision(self, fixing: Fixing) -> Decision:
+        return wording.decision(self, fixing)
+
+    def tours(self, solution: Multigraph) -> tuple[tuple[int, ...], ...]:
+        return wording.tours(self, solution)
 
 
 class Prices:
