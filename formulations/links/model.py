@@ -27,7 +27,7 @@ from numba import njit
 
 from cutgap.formulations.branch_and_cut.model import Fixing, Model, Row
 from cutgap.formulations.branch_and_cut.tour import INTEGRALITY
-from cutgap.formulations.links import wording
+from cutgap.formulations.links import wording as words
 from cutgap.formulations.links.cuts import (
     DOUBLE,
     EXCESS,
@@ -59,6 +59,8 @@ NEGATIVE = 1e-7
 
 class LinkModel(Model):
     """The model above; variable (kind * nodes + tail) * nodes + head is the edge of a kind and two ends."""
+
+    wording = words.FAMILIES
 
     def __init__(self, graph: LinkGraph, known: Multigraph) -> None:
         super().__init__()
@@ -298,16 +300,16 @@ class LinkModel(Model):
     # For who watches
 
     def legs(self) -> tuple[Leg, ...]:
-        return wording.legs(self)
+        return words.legs(self)
 
     def inequality(self, row: Row) -> Inequality:
-        return wording.inequality(self, row)
+        return words.inequality(self, row)
 
     def decision(self, fixing: Fixing) -> Decision:
-        return wording.decision(self, fixing)
+        return words.decision(self, fixing)
 
     def tours(self, solution: Multigraph) -> tuple[tuple[int, ...], ...]:
-        return wording.tours(self, solution)
+        return words.tours(self, solution)
 
 
 class Prices:

@@ -56,6 +56,11 @@ WORDS: dict[type, tuple[str, str, str]] = {
     ),
 }
 
+FAMILIES: dict[str, tuple[str, str, str]] = {
+    "home": ("(1) home", "s(δ(home)) + 2 d(δ(home)) = 2", "The head leaves its home once and comes back."),
+    "pierces": ("(4) pierces", "s(rapids) ≤ most - 1", "Each rapid between contours is a pierce more."),
+}
+
 
 def nodes_of(model: "LinkModel", places: frozenset[int] | tuple[int, ...]) -> tuple[int, ...]:
     """Return the nodes of some places."""
