@@ -29,12 +29,13 @@ costs.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
-from math import floor, isqrt, lcm
+from math import floor
 from typing import Any
 
+from cutgap.formulations.certificate.link_costs import DOUBLE, LINK, RAPID, Costs, Edge, Triple
+from cutgap.formulations.certificate.link_prices import Prices
 from cutgap.formulations.certificate.material import Material
 from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.proof import Budget
@@ -43,113 +44,6 @@ from cutgap.formulations.certificate.rules import Rules
 
 SHARES = 10**6
 """The place on a blocked link is a share of it with this denominator."""
-
-LINK, RAPID, DOUBLE = "s", "r", "d"
-Edge = tuple[str, int, int]
-Triple = tuple[int, int, int]
-
-
-class Costs:
-    """What links and rapids cost at least, in whole units, and what is known of links."""
-
-    def __init__(self, problem: Problem, rules: Rules, scale: int, costless: bool) -> None:
-        self.problem, self.scale, self.costless = problem, scale, costless
-        self.home_node = len(problem.xs)
-        self.members = [*problem.entries, range(self.home_node, self.home_node + 1)]
-        self.home = len(self.members) - 1
-        self.place_of = [place for place, nodes in enumerate(self.members) for _ in nodes]
-        timed = rules.objective == "makespan"
-        self.ratio = problem.v_jump / problem.v_cut if timed else Fraction(1)
-        self.pierce = problem.t_aux * problem.v_jump if timed else Fraction(0)
-        self.no_rapids = rules.pierces == 1
-        points = [point for contour in problem.contours for point in contour[1]]
-        self.unit = lcm(1, *(value.denominator for point in points for value in point))
-        self.points = [tuple(int(value * self.unit) for value in point) for point in points]
-        self.blocked: set[tuple[int, int]] = set()
-        self._links: dict[tuple[int, int], int] = {}
-        self._cheapest: dict[tuple[int, int], int | None] = {}
-
-    def _square(self, p: int, q: int) -> int:
-        return sum((a - b) ** 2 for a, b in zip(self.points[p], self.points[q], strict=True))
-
-    def _link(self, square: int) -> int:
-        """Return the cost of a link by the square of its length."""
-        factor = (self.scale * self.ratio / self.unit) ** 2
-        return 0 if self.costless else isqrt(square * factor.numerator // factor.denominator)
-
-    def link(self, p: int, q: int) -> int:
-        """Return the cost of a link."""
-        if (p, q) not in self._links:
-            self._links[p, q] = self._link(self._square(p, q))
-        return self._links[p, q]
-
-    def rapid(self, p: int, q: int) -> int:
-        """Return the cost of a rapid, with half a pierce for each end at a contour."""
-        if self.costless:
-            return 0
-        ends = 1 if q == self.home_node else 2
-        return self.problem.lengths(p, [q], self.scale)[0] + floor(self.scale * self.pierce * ends / 2)
-
-    def replaces(self, p: int, q: int) -> bool:
-        """Whether a link costs no more than the rapid, exactly; known for Euclidean rapids alone."""
-        if self.problem.metric != "euclidean":
-            return False
-        more = max(self.ratio - 1, Fraction(0))
-        return self._square(p, q) * more * more <= (self.pierce * self.unit) ** 2
-
-    def joined(self, p: int, q: int) -> bool:
-        """Whether only one of link and rapid is there."""
-        return q < self.home_node and not self.no_rapids and self.replaces(p, q)
-
-    def least(self, i: int, j: int) -> tuple[int, int]:
-        """Return what any link, and any rapid, between two contours costs at least."""
-        square = sum(
-            max(low - other_high, other_low - high, 0) ** 2
-            for (low, high), (other_low, other_high) in zip(self._box(i), self._box(j), strict=True)
-        )
-        rapid = 0 if self.costless else floor(self.scale * self.pierce)
-        if self.problem.metric == "euclidean" and not self.costless:
-            rapid += isqrt(square * self.scale**2 // self.unit**2)
-        return self._link(square), rapid
-
-    def _box(self, contour: int) -> list[tuple[int, int]]:
-        sides = zip(*(self.points[p] for p in self.members[contour]), strict=True)
-        return [(min(side), max(side)) for side in map(list, sides)]
-
-    def double(self, i: int, j: int) -> int | None:
-        """Return the cost of joining two places by two passes; ``None`` when all links are blocked."""
-        if (i, j) not in self._cheapest:
-            home = j == self.home
-            costs = [
-                self.rapid(p, q) if home else self.link(p, q)
-                for p in self.members[i]
-                for q in self.members[j]
-                if (p, q) not in self.blocked
-            ]
-            self._cheapest[i, j] = 2 * min(costs) if costs else None
-        return self._cheapest[i, j]
-
-
-@dataclass
-class Prices:
-    """Sums of rows by what they mean for edges.
-
-    ``odd`` and ``tree`` are about single edges, ``toward`` about those from a node to a place.
-    """
-
-    node: list[int]
-    single: list[list[int]]
-    double: list[list[int]]
-    end: list[int]
-    rapid: int = 0
-    sets: list[tuple[frozenset[int], int]] = field(default_factory=list)
-    odd: dict[Edge, int] = field(default_factory=dict)
-    tree: dict[Edge, int] = field(default_factory=dict)
-    toward: dict[tuple[int, int], int] = field(default_factory=dict)
-    excess: dict[tuple[int, int], int] = field(default_factory=dict)
-    partitions: list[tuple[int, list[int]]] = field(default_factory=list)
-    triples: dict[Triple, int] = field(default_factory=dict)
-    value: int = 0
 
 
 def check_links(
@@ -208,7 +102,7 @@ class Tree:
             case ["home"]:
                 return ("home",)
             case ["pierces"] if self.rules.pierces is not None:
-                return ("pierces",)
+                return ("pierces", self.rules.pierces)
             case ["partition", list(given)] if given:
                 return ("partition", self._labels(given), len(given) + 1)
             case ["rank", list(given), list(triples)] if given:
@@ -422,83 +316,5 @@ class Tree:
             kind, *content = self.rows[index]
             require(price >= 0 or kind == "home", "a negative multiplier of a row that is no equation")
             self.budget.spend(places * places if kind in ("partition", "rank") else 100)
-            getattr(self, f"_add_{kind}")(prices, price, *content)
+            getattr(prices, f"add_{kind}")(price, *content)
         return prices
-
-    def _add_home(self, prices: Prices, price: int) -> None:
-        home = self.costs.home
-        prices.value += 2 * price
-        for contour in range(home):
-            prices.single[contour][home] += price
-            prices.double[contour][home] += 2 * price
-
-    def _add_pierces(self, prices: Prices, price: int) -> None:
-        prices.value += price * (1 - (self.rules.pierces or 0))
-        prices.rapid -= price
-
-    def _add_partition(self, prices: Prices, price: int, label: list[int], count: int) -> None:
-        prices.value += price * count * (count - 1)
-        prices.partitions.append((price * (count - 2), label))
-        self._add_across(prices, label, price * (count - 1), price * count)
-
-    def _add_rank(self, prices: Prices, price: int, label: list[int], count: int, family: list[Triple]) -> None:
-        prices.value += price * (count - 1)
-        prices.partitions.append((price, label))
-        self._add_across(prices, label, price, price)
-        for triple in family:
-            if len({label[place] for place in triple}) > 1:
-                prices.triples[triple] = prices.triples.get(triple, 0) + price
-
-    def _add_across(self, prices: Prices, label: list[int], by_single: int, by_double: int) -> None:
-        """Add prices to what joins different parts."""
-        for i, mine in enumerate(label):
-            single, double = prices.single[i], prices.double[i]
-            for j in range(i + 1, len(label)):
-                if label[j] != mine:
-                    single[j] += by_single
-                    double[j] += by_double
-
-    def _add_triangle(
-        self, prices: Prices, price: int, places: Triple, triple: Triple, *sets: frozenset[int]
-    ) -> None:
-        i, j, k = places
-        prices.triples[triple] = prices.triples.get(triple, 0) - price
-        pair = min(i, j), max(i, j)
-        prices.excess[pair] = prices.excess.get(pair, 0) - 2 * price
-        # All edges among the three count 1, but 2 - 1 of the pair and with a node of a set they are 2 less.
-        for one, other in combinations(triple, 2):
-            prices.single[one][other] += price
-        for inside, near in zip(sets, ((j, k), (i, k)), strict=True):
-            for node in inside:
-                prices.node[node] += price
-                for place in near:
-                    prices.toward[node, place] = prices.toward.get((node, place), 0) + 2 * price
-
-    def _add_parity(self, prices: Prices, price: int, inside: frozenset[int], odd: list[Edge]) -> None:
-        prices.value += price * (1 - len(odd))
-        for node in inside:
-            prices.node[node] += price
-        if len(inside) > 1:
-            prices.sets.append((inside, price))
-        for edge in odd:
-            prices.odd[edge] = prices.odd.get(edge, 0) + 2 * price
-
-    def _add_once(self, prices: Prices, price: int, i: int, j: int) -> None:
-        prices.value -= price
-        prices.single[i][j] -= price
-        prices.excess[i, j] = prices.excess.get((i, j), 0) - 2 * price
-
-    def _add_bundle(self, prices: Prices, price: int, i: int, j: int, inside: frozenset[int]) -> None:
-        pair = min(i, j), max(i, j)
-        prices.excess[pair] = prices.excess.get(pair, 0) - 2 * price
-        for node in inside:
-            prices.node[node] += price
-            prices.toward[node, j] = prices.toward.get((node, j), 0) + 2 * price
-
-    def _add_group(self, prices: Prices, price: int, members: list[int], edges: list[Edge]) -> None:
-        prices.value -= 2 * price * len(members)
-        for contour in members:
-            prices.end[contour] -= price
-            prices.double[contour][self.costs.home] -= 2 * price
-        for edge in edges:
-            prices.tree[edge] = prices.tree.get(edge, 0) + 2 * price

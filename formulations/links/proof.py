@@ -11,7 +11,7 @@ from cutgap.formulations.branch_and_cut.model import Fixing, Proof
 from cutgap.formulations.certify import SCALE, Certificate, Family, Rows, certificate_of, flat_tree, leaf_proof
 from cutgap.formulations.links.cuts import DOUBLE, LINK, RAPID, Bundle, Group, Parity, Partition, Rank, Triangle
 from cutgap.formulations.links.graph import LinkGraph
-from cutgap.formulations.links.model import Prices
+from cutgap.formulations.links.prices import Prices
 from cutgap.formulations.split_proof import MULTIPLIER_SCALE
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.links.clearance import deepest_shares
