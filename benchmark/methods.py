@@ -18,6 +18,9 @@ AUTO = "auto"
 STARTERS = {"free": "local-search", "links": "link-search"}
 """Exact methods that start from a heuristic's plan."""
 
+STARTER_SHARE = 0.25
+"""Most of the time limit that such a plan may take: a bound needs the rest."""
+
 
 def known_methods() -> tuple[str, ...]:
     """Return the names of all methods, exact ones first."""
@@ -109,7 +112,8 @@ def _run_exact(
     starter = STARTERS.get(resolve(method, instance, rules))
     if starter is not None:
         with suppress(ValueError):
-            start = HEURISTICS[starter](instance, rules, rng=np.random.default_rng(seed), time_limit=time_limit)
+            share = None if time_limit is None else STARTER_SHARE * time_limit
+            start = HEURISTICS[starter](instance, rules, rng=np.random.default_rng(seed), time_limit=share)
     spent = perf_counter() - begun
     left = None if time_limit is None else max(0.0, time_limit - spent)
     result = solve(instance, rules, method=method, time_limit=left, start=start, certify=certify, watch=watch)
