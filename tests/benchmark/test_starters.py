@@ -22,9 +22,8 @@ def test_a_starter_gets_a_share_of_the_limit(monkeypatch, method, rules, heads):
         return make(instance, rules, time_limit=time_limit, **options)
 
     monkeypatch.setitem(HEURISTICS, name, Heuristic(noted, HEURISTICS[name].applies))
-    corner = np.array([[0, 0], [1, 0], [0, 1]])
     contours = tuple(
-        Contour(str(x), np.array([[x, 0.0, 0.0]]), 3.0, geometry=corner + [x, 0])
+        Contour(str(x), np.array([[x, 0, 0]]), 3.0, geometry=np.array([[x, 0], [x + 1, 0], [x, 1]]))
         for x in (0.0, 5.0, 11.0, 18.0)
     )
     homes = [Head(str(x), np.array([x, -5.0, 0.0])) for x in range(heads)]
