@@ -43,6 +43,7 @@ def certificate_of(
     multiplier_scale: int,
     claim: Callable[[float], tuple[int | None, dict[str, Any]]],
     scale: int = SCALE,
+    margins: Sequence[float] = MARGINS_MM,
 ) -> Certificate | None:
     """Return a verified certificate, or ``None`` when none of the margins holds.
 
@@ -59,7 +60,7 @@ def certificate_of(
         if rules.links:
             links = [[ids[a], e, ids[b], f, passes] for a, e, b, f, passes in plan.links]
             visits = {"tours": visits, "links": links}
-    for margin in MARGINS_MM:
+    for margin in margins:
         bound, proof = claim(margin)
         certificate = {
             "format": "cutgap-certificate",

@@ -107,10 +107,15 @@ def test_the_bound_of_outlines_is_tight_for_two() -> None:
         outline_bound(instance, Rules())
 
 
-def test_a_stopped_run_keeps_plan_and_bound() -> None:
+def twenty_squares() -> Instance:
+    """Return squares of random sizes in four rows."""
     rng = np.random.default_rng(1)
     places = [(x, y) for x in range(5) for y in range(4)]
-    instance = sheet_of(*(square(f"c{x}{y}", 30 * x, 30 * y, float(rng.uniform(5, 25))) for x, y in places))
+    return sheet_of(*(square(f"c{x}{y}", 30 * x, 30 * y, float(rng.uniform(5, 25))) for x, y in places))
+
+
+def test_a_stopped_run_keeps_plan_and_bound() -> None:
+    instance = twenty_squares()
     rules = Rules("travel", links=True, pierces=1)
     stopped = solve(instance, rules, time_limit=0.0)
     assert stopped.status is Status.FEASIBLE
@@ -142,3 +147,16 @@ def test_other_methods_and_rules_are_refused() -> None:
         solve(NESTED, Rules(links=True), method="gtsp")
     with pytest.raises(ValueError, match="allow no links"):
         solve(NESTED, Rules(), method="links")
+
+
+def test_an_open_gap_is_told_as_it_is_proved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a proof falls short of the search, the bound of a stopped run is the proof's."""
+    monkeypatch.setattr("cutgap.formulations.links.proof.MARGINS_MM", (0.5,))
+    rules = Rules("travel", links=True, pierces=1)
+    result = solve(twenty_squares(), rules, time_limit=1.0, certify=True)
+    assert result.certificate is not None
+    proved = result.certificate["bound"] / result.certificate["scale"]
+    if result.status is Status.OPTIMAL:
+        assert proved == pytest.approx(result.value - 0.5, abs=1e-5)
+    else:
+        assert result.lower_bound == proved
