@@ -1,18 +1,21 @@
 """The folder of a benchmark's results: what is there already, and what is written at the end."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cutgap.benchmark.records import FILE_NAME, Damage, Record, append_record, finished, read_records
-from cutgap.instances.formats import write_atomically
+from cutgap.instances import Instance
+from cutgap.instances.formats import write_atomically, write_instance
 
 TABLE_NAME = "table.csv"
 REPORT_NAME = "report.html"
 AUDIT_TABLE_NAME = "audit.csv"
 AUDIT_REPORT_NAME = "audit.html"
 CERTIFICATES = "certificates"
+INSTANCES = "instances"
+"""Sub-folder of the instances that certificates speak of, so that they can be verified where they are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,13 @@ class Folder:
         append_record(self.results, record)
         self.done[record.key] = record
 
+    def keep_instances(self, instances: Mapping[str, Instance]) -> None:
+        """Write the instances, by hash, of which a certificate is there."""
+        proved = {record.instance_hash for record in self.done.values() if record.certificate is not None}
+        for key in sorted(proved & instances.keys()):
+            (self.path / INSTANCES).mkdir(exist_ok=True)
+            write_instance(instances[key], self.path / INSTANCES / f"{key}.json")
+
     def among(self, keys: Iterable[str]) -> list[Record]:
         """Return the records of these tasks, in their order, as far as they are finished."""
         return [self.done[key] for key in keys if key in self.done]
@@ -79,7 +89,15 @@ def _set_aside(path: Path) -> Path:
         number += 1
     target = path / f"earlier-{number}"
     target.mkdir()
-    for name in (FILE_NAME, TABLE_NAME, REPORT_NAME, AUDIT_TABLE_NAME, AUDIT_REPORT_NAME, CERTIFICATES):
+    for name in (
+        FILE_NAME,
+        TABLE_NAME,
+        REPORT_NAME,
+        AUDIT_TABLE_NAME,
+        AUDIT_REPORT_NAME,
+        CERTIFICATES,
+        INSTANCES,
+    ):
         if (path / name).exists():
             (path / name).rename(target / name)
     return target

@@ -14,7 +14,7 @@ from cutgap.views.plots import HEAD_COLOURS, UNCUT, WIDTH
 
 
 def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
-    """Draw the gaps of each method: a dot for each run over a box of quartiles.
+    """Draw the gaps of each method: a dot for each run, their mean as a diamond, and their range as a line.
 
     Parameters
     ----------
@@ -31,22 +31,14 @@ def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
         axes.scatter(
             percents, position + offsets, s=9, color=HEAD_COLOURS[0], alpha=0.6, linewidths=0, zorder=3
         )
-    boxes = [100 * np.asarray(shares) for _, shares in gaps]
-    line = {"color": UNCUT, "linewidth": 1.1}
-    axes.boxplot(
-        boxes,
-        positions=list(positions),
-        orientation="horizontal",
-        widths=0.62,
-        showfliers=False,
-        boxprops=line,
-        whiskerprops=line,
-        capprops=line,
-        medianprops={"color": HEAD_COLOURS[1], "linewidth": 1.8},
-    )
+        if len(percents):
+            # Over the dots, so that both stay in sight where they fall together.
+            ends = [percents.min(), percents.max()]
+            axes.plot(ends, [position] * 2, color=UNCUT, linewidth=1.3, marker="|", markersize=13, zorder=2)
+            axes.plot(percents.mean(), position, color=HEAD_COLOURS[1], marker="D", markersize=6.5, zorder=4)
     axes.set_yticks(list(positions), [method for method, _ in gaps])
     axes.set_xlabel("gap to the proved bound [%]")
-    axes.set_xlim(left=min(0.0, -0.02 * max((float(b.max()) for b in boxes if len(b)), default=1.0)))
+    axes.set_xlim(left=-0.02 * max((100 * max(shares) for _, shares in gaps if shares), default=1.0))
     axes.grid(axis="x", color=UNCUT, alpha=0.25, linewidth=0.7)
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)

@@ -61,7 +61,8 @@ def gaps(
 ) -> int:
     """Compare methods with proved optima or bounds over a suite.
 
-    Prints the gap table and writes results.jsonl, table.csv and report.html. Results that are there
+    Prints the gap table and writes results.jsonl, table.csv and report.html, with the certificates of proved
+    bounds and the instances they speak of beside them. Results that are there
     already are moved to a folder earlier-1, earlier-2, ... unless --resume is given. Ctrl-C keeps what is
     finished.
 
@@ -105,6 +106,7 @@ def _publish(
     records = folder.among(task.key for task in tasks)
     rows = gap_table(records, suite.published if run.rules == (suite.rules,) else {})
     instances = {instance_hash(instance): instance for instance in suite.instances}
+    folder.keep_instances(instances)
     write_atomically(folder.path / TABLE_NAME, table_csv(rows))
     write_atomically(folder.path / REPORT_NAME, report_html(run, records, rows, instances, failures))
     if json:

@@ -1,23 +1,26 @@
-"""The report: one self-contained HTML page with table, plans, gap distributions and definitions."""
+"""The report: one self-contained HTML page with table, plans, gap distributions and definitions.
+
+Without scripts it is plain tables and pictures; with them tables are sorted, rows filtered and plans compared.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import groupby
 from string import Template
 
+from cutgap.benchmark.folder import CERTIFICATES, INSTANCES
 from cutgap.benchmark.methods import is_exact
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.runner import Failure
 from cutgap.benchmark.table import Summary, TableRow, summarise
-from cutgap.benchmark.wording import describe_all
+from cutgap.benchmark.trade_off import slack
+from cutgap.benchmark.wording import describe_all, question
 from cutgap.instances import Instance, Rules
 from cutgap.views.charts import gap_figure
 from cutgap.views.columns import (
     Column,
     columns,
     percent,
-    row_name,
     seconds,
     several,
     summary_headings,
@@ -25,11 +28,8 @@ from cutgap.views.columns import (
     summary_rows,
 )
 from cutgap.views.pages import definition, html_table, text_class, view_text
-from cutgap.views.plots import plan_figure
+from cutgap.views.report_plans import by_part, data_attributes, plan_ids, plans
 from cutgap.views.svg import inline_svg, page_style
-
-DRAWN_PARTS = 12
-"""Parts whose plans are drawn; a page with the plans of hundreds would not open on a phone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +69,19 @@ def report_html(
     shown = columns(rows)
     summaries = summarise(rows)
     return template.substitute(
-        style=view_text("page.css"),
+        style=view_text("page.css") + view_text("report.css"),
         title=escape(f"Optimality gaps: {run.suite}"),
         lead=escape(f"{len(instances)} parts; asked for: {describe_all(run.rules, run.heads)}."),
         warnings=_warnings(run, records, failures),
         cards=_cards(run, records, rows, summaries),
         summary_table=html_table(summary_headings(summaries), [summary_rows(summaries)]),
         gap_plot=_gap_plot(summaries),
-        table=_part_table(shown, rows),
-        plans=_plans(rows, instances),
+        table=_part_table(shown, rows, records, plan_ids(rows, instances)),
+        plans=plans(rows, instances),
+        certificates=_certificates(records),
         definitions="\n".join(definition(column.heading, column.definition) for column in shown),
         provenance="\n".join(definition(*pair) for pair in _provenance(run, records, rows)),
+        script=view_text("report.js"),
     )
 
 
@@ -117,19 +119,71 @@ def _cards(run: Run, records: Sequence[Record], rows: Sequence[TableRow], summar
     )
 
 
-def _part_table(shown: Sequence[Column], rows: Sequence[TableRow]) -> str:
+def _part_table(
+    shown: Sequence[Column], rows: Sequence[TableRow], records: Sequence[Record], drawn: Mapping[int, str]
+) -> str:
     head = "".join(f"<th{text_class(column.heading)}>{escape(column.heading)}</th>" for column in shown)
-    bodies = []
-    for _, group in groupby(rows, key=lambda row: row.best.instance_hash):
+    bodies, place = [], 0
+    for group in by_part(rows):
         lines = []
         for row in group:
             kind = ' class="best"' if row.gap == 0 else ""
-            cells = "".join(f"<td{text_class(c.heading)}>{escape(c.cell(row))}</td>" for c in shown)
-            lines.append(f"<tr{kind}>{cells}</tr>")
+            plan = f' data-plan="{drawn[place]}"' if place in drawn else ""
+            proof = _proof(row, records)
+            cells = "".join(f"<td{text_class(c.heading)}>{_cell(c, row, proof)}</td>" for c in shown)
+            lines.append(f"<tr{kind}{data_attributes(row)}{plan}>{cells}</tr>")
             if row.note:
-                lines.append(f'<tr class="note"><td colspan="{len(shown)}">{escape(row.note)}</td></tr>')
+                note = f'<td colspan="{len(shown)}">{escape(row.note)}</td>'
+                lines.append(f'<tr class="note"{data_attributes(row)}>{note}</tr>')
+            place += 1
         bodies.append("<tbody>" + "\n".join(lines) + "</tbody>")
-    return f"<table><thead><tr>{head}</tr></thead>{''.join(bodies)}</table>"
+    return f'<table id="parts"><thead><tr>{head}</tr></thead>{"".join(bodies)}</table>'
+
+
+def _cell(column: Column, row: TableRow, proof: str | None) -> str:
+    text = escape(column.cell(row))
+    return text if proof is None or column.heading != "bound" else _link(proof, text)
+
+
+def _link(certificate: str, text: str) -> str:
+    return f'<a href="{CERTIFICATES}/{escape(certificate)}">{text}</a>'
+
+
+def _proof(row: TableRow, records: Sequence[Record]) -> str | None:
+    """Return the certificate that proves the bound of a row, whichever run it comes from."""
+    if row.lower_bound is None:
+        return None
+    least = row.lower_bound - slack(row.lower_bound)
+    return next(
+        (
+            each.certificate
+            for each in records
+            if each.certificate is not None
+            and (each.instance_hash, each.result.rules) == (row.best.instance_hash, row.rules)
+            and (each.result.lower_bound or 0.0) >= least
+        ),
+        None,
+    )
+
+
+def _certificates(records: Sequence[Record]) -> str:
+    """List the certificates, each with the command that proves its bound again."""
+    proofs = [(each, each.certificate) for each in records if each.certificate is not None]
+    if not proofs:
+        return "<p>No run left a certificate: the bounds are claims of solvers.</p>"
+    several_asked = len({question(each.result.rules) for each, _ in proofs}) > 1
+    items = []
+    for each, name in proofs:
+        result = each.result
+        asked = f" ({question(result.rules)})" if several_asked else ""
+        known = "" if result.lower_bound is None else f": {result.lower_bound:.2f} {result.rules.unit}"
+        text = escape(f"{each.instance}, {result.method}{asked}{known}")
+        command = f"cutgap verify {CERTIFICATES}/{name} {INSTANCES}/{each.instance_hash}.json"
+        items.append(f"<li>{_link(name, text)}<code>{escape(command)}</code></li>")
+    lead = (
+        "In the folder of this page, each command proves a bound again in exact arithmetic, without a solver."
+    )
+    return f'<p>{lead}</p><ul class="proofs">{"".join(items)}</ul>'
 
 
 def _gap_plot(summaries: Sequence[Summary]) -> str:
@@ -138,54 +192,8 @@ def _gap_plot(summaries: Sequence[Summary]) -> str:
     with page_style("gaps"):
         figure = gap_figure([(summary_name(each, summaries), each.gaps) for each in summaries])
         svg = inline_svg(figure, "gap of each run, by method")
-    caption = "A dot for each run with an allowed plan; box: quartiles and median; whiskers: 1.5 box lengths."
-    return f"<figure>{svg}<figcaption>{caption}</figcaption></figure>"
-
-
-def _plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> str:
-    parts = [list(group) for _, group in groupby(rows, key=lambda row: row.best.instance_hash)]
-    blocks = [_part_plans(group, instances) for group in parts[:DRAWN_PARTS]]
-    if len(parts) > DRAWN_PARTS:
-        blocks.insert(0, f"<p>The first {DRAWN_PARTS} of {len(parts)} parts are drawn.</p>")
-    return "\n".join(blocks)
-
-
-def _part_plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> str:
-    """Draw the plans of a part, the best one in sight and the others behind a click."""
-    instance = instances[rows[0].best.instance_hash]
-    drawn = [row for row in rows if row.best.result.plan is not None] if instance.located else []
-    if not drawn:
-        return f"<p>{escape(instance.name)}: no plan to draw.</p>"
-    # Values of different questions do not compare: the best of what is asked first is shown.
-    asked = drawn[0].rules
-    first = min(drawn, key=lambda row: (row.rules != asked, row.value is None, row.value or 0.0))
-    others = [_plan_figure(row, instance, rows) for row in drawn if row is not first]
-    rest = ""
-    if others:
-        names = ", ".join(row_name(row, rows) for row in drawn if row is not first)
-        rest = (
-            f"<details><summary>{escape(instance.name)}: {escape(names)}</summary>"
-            f'<div class="plans">{"".join(others)}</div></details>'
-        )
-    return _plan_figure(first, instance, rows) + rest
-
-
-def _plan_figure(row: TableRow, instance: Instance, rows: Sequence[TableRow]) -> str:
-    result = row.best.result
-    name = f"{row.instance}, {row_name(row, rows)}"
-    with page_style(row.best.key):
-        figure = plan_figure(instance, result.plan, via_points=result.rules.via_points, title=name)
-        svg = inline_svg(figure, f"plan of {escape(name)}")
-    return f"<figure>{svg}<figcaption>{escape(_plan_caption(row))}</figcaption></figure>"
-
-
-def _plan_caption(row: TableRow) -> str:
-    if row.note:
-        return row.note
-    text = f"{row.rules.objective} {row.value:.2f} {row.rules.unit}"
-    if row.gap is None:
-        return f"{text}, no bound"
-    return f"{text}, proven optimum" if row.gap == 0 else f"{text}, gap {percent(row.gap)} %"
+    caption = "Dot: a run with an allowed plan; diamond: their mean; line: from the least gap to the largest."
+    return f'<figure><div class="scroll chart">{svg}</div><figcaption>{caption}</figcaption></figure>'
 
 
 def _provenance(run: Run, records: Sequence[Record], rows: Sequence[TableRow]) -> list[tuple[str, str]]:

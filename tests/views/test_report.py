@@ -12,7 +12,8 @@ from cutgap.benchmark.runner import run_tasks
 from cutgap.benchmark.table import gap_table
 from cutgap.benchmark.tasks import instance_hash, suite_tasks
 from cutgap.instances import Rules
-from cutgap.views.report import DRAWN_PARTS, Run, report_html
+from cutgap.views.report import Run, report_html
+from cutgap.views.report_plans import DRAWN_PARTS
 
 METHODS = ("split", "local-search", "k-means")
 
