@@ -77,7 +77,7 @@ function filter() {
   for (const element of document.querySelectorAll("#parts tr[data-method], .plan[data-method]")) element.hidden = !wanted(element);
   // A drawing that is asked for does not stay behind a click.
   const count = rows.filter(row => !row.hidden).length, all = count === rows.length;
-  for (const details of document.querySelectorAll("details")) {
+  for (const details of document.querySelectorAll(".plans details")) {
     details.hidden = !details.querySelector(".plan:not([hidden])");
     details.open = !all && !details.hidden;
   }
@@ -142,10 +142,12 @@ function setUpComparison() {
   if (drawn.length < 2) return;
   let chosen = [drawn[0].dataset.plan, drawn[1].dataset.plan];
   const choose = ids => compare(chosen = ids);
-  make("th", table.tHead.rows[0], "side by side");
+  make("th", table.tHead.rows[0], "compare", { class: "tick" });
+  table.tHead.rows[0].prepend(table.tHead.rows[0].lastChild);
   for (const row of table.querySelectorAll("tr[data-method]")) {
     if (row.classList.contains("note")) { row.cells[0].colSpan += 1; continue; }
-    const cell = make("td", row), id = row.dataset.plan;
+    const cell = make("td", row, "", { class: "tick" }), id = row.dataset.plan;
+    row.prepend(cell);
     if (!id) continue;
     const box = make("input", cell, "", { type: "checkbox", "aria-label": `Show ${titleOf(id)} side by side` });
     box.addEventListener("change", () => choose(box.checked ? withNew(chosen, id) : chosen.map(other => (other === id ? "" : other))));

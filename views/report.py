@@ -31,6 +31,9 @@ from cutgap.views.pages import definition, html_table, text_class, view_text
 from cutgap.views.report_plans import by_part, data_attributes, plan_ids, plans
 from cutgap.views.svg import inline_svg, page_style
 
+MOST_WARNINGS = 4
+"""Failures that are in sight; more stand behind a click."""
+
 
 @dataclass(frozen=True, slots=True)
 class Run:
@@ -88,8 +91,14 @@ def report_html(
 def _warnings(run: Run, records: Sequence[Record], failures: Sequence[Failure]) -> str:
     lines = [f"Failed: {failure}" for failure in failures]
     if len(records) + len(failures) < run.planned:
-        lines.append(f"Stopped early: {len(records)} of {run.planned} runs are finished.")
-    return "\n".join(f'<p class="warn">{escape(line)}</p>' for line in lines)
+        lines.insert(0, f"Stopped early: {len(records)} of {run.planned} runs are finished.")
+    said = [f'<p class="warn">{escape(line)}</p>' for line in lines]
+    rest = said[MOST_WARNINGS:]
+    if rest:
+        said[MOST_WARNINGS:] = [
+            f'<details><summary class="warn">{len(rest)} more</summary>{"".join(rest)}</details>'
+        ]
+    return "\n".join(said)
 
 
 def _cards(run: Run, records: Sequence[Record], rows: Sequence[TableRow], summaries: Sequence[Summary]) -> str:

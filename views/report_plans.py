@@ -42,13 +42,12 @@ def plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> str:
     names = plan_ids(rows, instances)
     ids = {id(rows[place]): name for place, name in names.items()}
     parts = by_part(rows)
-    blocks = [
+    figures = [
         _part_plans(group, instances[group[0].best.instance_hash], f"sheet-{place}", ids)
         for place, group in enumerate(parts[:DRAWN_PARTS])
     ]
-    if len(parts) > DRAWN_PARTS:
-        blocks.insert(0, f"<p>The first {DRAWN_PARTS} of {len(parts)} parts are drawn.</p>")
-    return "\n".join(blocks)
+    few = f"<p>The first {DRAWN_PARTS} of {len(parts)} parts are drawn.</p>" if len(parts) > DRAWN_PARTS else ""
+    return few + '<div class="plans">' + "\n".join(figures) + "</div>"
 
 
 def _part_plans(rows: Sequence[TableRow], instance: Instance, sheet_id: str, ids: Mapping[int, str]) -> str:
@@ -68,7 +67,7 @@ def _part_plans(rows: Sequence[TableRow], instance: Instance, sheet_id: str, ids
             f"<details><summary>{escape(instance.name)}: {escape(names)}</summary>"
             f'<div class="plans">{"".join(figures)}</div></details>'
         )
-    return sheet_svg(sheet) + _plan_figure(first, rows, sheet, ids[id(first)]) + rest
+    return f"<div>{sheet_svg(sheet)}{_plan_figure(first, rows, sheet, ids[id(first)])}{rest}</div>"
 
 
 def _plan_figure(row: TableRow, rows: Sequence[TableRow], sheet: Sheet, name: str) -> str:
