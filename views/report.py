@@ -28,7 +28,7 @@ from cutgap.views.columns import (
     summary_rows,
 )
 from cutgap.views.pages import definition, html_table, text_class, view_text
-from cutgap.views.report_plans import by_part, data_attributes, plan_ids, plans
+from cutgap.views.report_plans import by_part, data_attributes, drawn_plans, plan_id, plans
 from cutgap.views.svg import inline_svg, page_style
 
 MOST_WARNINGS = 4
@@ -79,7 +79,7 @@ def report_html(
         cards=_cards(run, records, rows, summaries),
         summary_table=html_table(summary_headings(summaries), [summary_rows(summaries)]),
         gap_plot=_gap_plot(summaries),
-        table=_part_table(shown, rows, records, plan_ids(rows, instances)),
+        table=_part_table(shown, rows, records, drawn_plans(rows, instances)),
         plans=plans(rows, instances),
         certificates=_certificates(records),
         definitions="\n".join(definition(column.heading, column.definition) for column in shown),
@@ -129,22 +129,21 @@ def _cards(run: Run, records: Sequence[Record], rows: Sequence[TableRow], summar
 
 
 def _part_table(
-    shown: Sequence[Column], rows: Sequence[TableRow], records: Sequence[Record], drawn: Mapping[int, str]
+    shown: Sequence[Column], rows: Sequence[TableRow], records: Sequence[Record], drawn: set[str]
 ) -> str:
     head = "".join(f"<th{text_class(column.heading)}>{escape(column.heading)}</th>" for column in shown)
-    bodies, place = [], 0
+    bodies = []
     for group in by_part(rows):
         lines = []
         for row in group:
             kind = ' class="best"' if row.gap == 0 else ""
-            plan = f' data-plan="{drawn[place]}"' if place in drawn else ""
+            plan = f' data-plan="{plan_id(row)}"' if plan_id(row) in drawn else ""
             proof = _proof(row, records)
             cells = "".join(f"<td{text_class(c.heading)}>{_cell(c, row, proof)}</td>" for c in shown)
             lines.append(f"<tr{kind}{data_attributes(row)}{plan}>{cells}</tr>")
             if row.note:
                 note = f'<td colspan="{len(shown)}">{escape(row.note)}</td>'
                 lines.append(f'<tr class="note"{data_attributes(row)}>{note}</tr>')
-            place += 1
         bodies.append("<tbody>" + "\n".join(lines) + "</tbody>")
     return f'<table id="parts"><thead><tr>{head}</tr></thead>{"".join(bodies)}</table>'
 

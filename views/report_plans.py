@@ -26,21 +26,24 @@ def data_attributes(row: TableRow) -> str:
     return "".join(f' data-{name}="{escape(text)}"' for name, text in fields.items())
 
 
-def plan_ids(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> dict[int, str]:
-    """Return ids of the figures of drawn plans, by the places of their rows."""
-    hashes = list(dict.fromkeys(row.best.instance_hash for row in rows))
-    drawn = {each for each in hashes[:DRAWN_PARTS] if instances[each].located}
+def plan_id(row: TableRow) -> str:
+    """Return the id of the figure of a row's plan."""
+    return f"plan-{row.best.key}"
+
+
+def drawn_plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> set[str]:
+    """Return the ids of the plans that are drawn."""
     return {
-        place: f"plan-{place}"
-        for place, row in enumerate(rows)
-        if row.best.result.plan is not None and row.best.instance_hash in drawn
+        plan_id(row)
+        for group in by_part(rows)[:DRAWN_PARTS]
+        for row in group
+        if row.best.result.plan is not None and instances[row.best.instance_hash].located
     }
 
 
 def plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> str:
     """Return the figures of all parts that are drawn."""
-    names = plan_ids(rows, instances)
-    ids = {id(rows[place]): name for place, name in names.items()}
+    ids = drawn_plans(rows, instances)
     parts = by_part(rows)
     figures = [
         _part_plans(group, instances[group[0].best.instance_hash], f"sheet-{place}", ids)
@@ -50,16 +53,16 @@ def plans(rows: Sequence[TableRow], instances: Mapping[str, Instance]) -> str:
     return few + '<div class="plans">' + "\n".join(figures) + "</div>"
 
 
-def _part_plans(rows: Sequence[TableRow], instance: Instance, sheet_id: str, ids: Mapping[int, str]) -> str:
+def _part_plans(rows: Sequence[TableRow], instance: Instance, sheet_id: str, ids: set[str]) -> str:
     """Draw the plans of a part, the best one in sight and the others behind a click."""
-    drawn = [row for row in rows if id(row) in ids]
+    drawn = [row for row in rows if plan_id(row) in ids]
     if not drawn:
         return f"<p>{escape(instance.name)}: no plan to draw.</p>"
     # Values of different questions do not compare: the best of what is asked first is shown.
     asked = drawn[0].rules
     first = min(drawn, key=lambda row: (row.rules != asked, row.value is None, row.value or 0.0))
     sheet = sheet_of(instance, sheet_id)
-    figures = [_plan_figure(row, rows, sheet, ids[id(row)]) for row in drawn if row is not first]
+    figures = [_plan_figure(row, rows, sheet) for row in drawn if row is not first]
     rest = ""
     if figures:
         names = ", ".join(row_name(row, rows) for row in drawn if row is not first)
@@ -67,10 +70,10 @@ def _part_plans(rows: Sequence[TableRow], instance: Instance, sheet_id: str, ids
             f"<details><summary>{escape(instance.name)}: {escape(names)}</summary>"
             f'<div class="plans">{"".join(figures)}</div></details>'
         )
-    return f"<div>{sheet_svg(sheet)}{_plan_figure(first, rows, sheet, ids[id(first)])}{rest}</div>"
+    return f"<div>{sheet_svg(sheet)}{_plan_figure(first, rows, sheet)}{rest}</div>"
 
 
-def _plan_figure(row: TableRow, rows: Sequence[TableRow], sheet: Sheet, name: str) -> str:
+def _plan_figure(row: TableRow, rows: Sequence[TableRow], sheet: Sheet) -> str:
     plan = row.best.result.plan
     assert plan is not None
     title = f"{row.instance}, {row_name(row, rows)}"
@@ -85,5 +88,5 @@ def _plan_figure(row: TableRow, rows: Sequence[TableRow], sheet: Sheet, name: st
     value = "" if row.value is None else f' data-value="{row.value:.10g}"'
     caption = f"<figcaption>{escape(title)}</figcaption>"
     drawing = plan_svg(sheet, plan, f"plan of {title}")
-    attributes = f'class="plan" id="{name}"{data_attributes(row)}{value}'
+    attributes = f'class="plan" id="{plan_id(row)}"{data_attributes(row)}{value}'
     return f'<figure {attributes}>{caption}{drawing}<dl class="figures">{boxes}</dl>{note}</figure>'
