@@ -32,7 +32,6 @@ def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
             percents, position + offsets, s=9, color=HEAD_COLOURS[0], alpha=0.6, linewidths=0, zorder=3
         )
         if len(percents):
-            # Over the dots, so that both stay in sight where they fall together.
             ends = [percents.min(), percents.max()]
             axes.plot(ends, [position] * 2, color=UNCUT, linewidth=1.3, marker="|", markersize=13, zorder=2)
             axes.plot(percents.mean(), position, color=HEAD_COLOURS[1], marker="D", markersize=6.5, zorder=4)

@@ -62,9 +62,8 @@ def gaps(
     """Compare methods with proved optima or bounds over a suite.
 
     Prints the gap table and writes results.jsonl, table.csv and report.html, with the certificates of proved
-    bounds and the instances they speak of beside them. Results that are there
-    already are moved to a folder earlier-1, earlier-2, ... unless --resume is given. Ctrl-C keeps what is
-    finished.
+    bounds and the instances they speak of beside them. Results that are there already are moved to a folder
+    earlier-1, earlier-2, ... unless --resume is given. Ctrl-C keeps what is finished.
 
     Parameters
     ----------

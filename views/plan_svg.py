@@ -71,8 +71,10 @@ def sheet_of(instance: Instance, name: str) -> Sheet:
     if len(places) == 0:
         return Sheet(name, instance, 0.0, 0.0, 1.0, SHORTEST)
     (left, bottom), (right, top) = places.min(axis=0), places.max(axis=0)
-    wide, high = max(right - left, 1e-9), max(top - bottom, 1e-9)
-    scale = min((WIDTH - 2 * MARGIN) / wide, (LONGEST - 3 * MARGIN) / high)
+    wide, high = right - left, top - bottom
+    # On a line or a point alone the other extent, or any, decides.
+    extent = max(wide, high) or 1.0
+    scale = min((WIDTH - 2 * MARGIN) / (wide or extent), (LONGEST - 3 * MARGIN) / (high or extent))
     # The scale's bar stands in a margin of its own below.
     return Sheet(name, instance, left, top, scale, max(SHORTEST, high * scale + 3 * MARGIN))
 

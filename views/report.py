@@ -178,7 +178,7 @@ def _certificates(records: Sequence[Record]) -> str:
     """List the certificates, each with the command that proves its bound again."""
     proofs = [(each, each.certificate) for each in records if each.certificate is not None]
     if not proofs:
-        return "<p>No run left a certificate: the bounds are claims of solvers.</p>"
+        return "<p>No run left a certificate: a bound, where there is one, is a solver's claim.</p>"
     several_asked = len({question(each.result.rules) for each, _ in proofs}) > 1
     items = []
     for each, name in proofs:

@@ -79,7 +79,7 @@ def _plan_figure(row: TableRow, rows: Sequence[TableRow], sheet: Sheet) -> str:
     title = f"{row.instance}, {row_name(row, rows)}"
     unit = row.rules.unit
     figures = [
-        (row.rules.objective, NOTHING if row.value is None else f"{number(row.value, 2)} {unit}"),
+        ("value", NOTHING if row.value is None else f"{number(row.value, 2)} {unit}"),
         ("bound", NOTHING if row.lower_bound is None else f"{bound(row)} {unit}"),
         ("gap", NOTHING if row.gap is None else f"{percent(row.gap)} %"),
     ]

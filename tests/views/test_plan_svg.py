@@ -75,6 +75,18 @@ def test_outlines_lose_only_points_that_fall_together():
     assert len(curve) < 300
 
 
+@pytest.mark.parametrize("places", [[], [(5.0, 7.0)], [(0.0, 0.0), (90.0, 0.0)], [(0.0, 0.0), (0.0, 90.0)]])
+def test_sheets_without_width_or_height_are_drawn(places):
+    contours = (Contour(str(n), np.array([(x, y, 0.0)]), 1.0) for n, (x, y) in enumerate(places))
+    instance = Instance("flat", tuple(contours), (Head("head"),))
+    sheet = sheet_of(instance, "sheet")
+    assert sheet.scale < WIDTH
+    assert sheet_svg(sheet).count("<circle") == len(places)
+    svg = plan_svg(sheet, Plan.of_contours([range(len(places))]), "label")
+    assert len(paths(svg, "dots")) == min(1, len(places))
+    assert "nan" not in svg
+
+
 def test_links_are_drawn_and_a_foreign_plan_is_refused(instance):
     sheet = sheet_of(instance, "sheet")
     linked = Plan(Plan.of_contours(((0, 2, 4), (3, 5))).tours, (Link(0, 0, 1, 0),))
