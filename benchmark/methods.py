@@ -19,7 +19,7 @@ STARTERS = {"free": "local-search", "links": "link-search"}
 """Exact methods that start from a heuristic's plan."""
 
 STARTER_SHARE = 0.25
-"""Most of the time limit that such a plan may take: a bound needs the rest."""
+"""Share of a time limit that such a heuristic may take: the rest is for the proof."""
 
 
 def known_methods() -> tuple[str, ...]:
@@ -111,9 +111,9 @@ def _run_exact(
     begun, start = perf_counter(), None
     starter = STARTERS.get(resolve(method, instance, rules))
     if starter is not None:
+        most, rng = None if time_limit is None else STARTER_SHARE * time_limit, np.random.default_rng(seed)
         with suppress(ValueError):
-            share = None if time_limit is None else STARTER_SHARE * time_limit
-            start = HEURISTICS[starter](instance, rules, rng=np.random.default_rng(seed), time_limit=share)
+            start = HEURISTICS[starter](instance, rules, rng=rng, time_limit=most)
     spent = perf_counter() - begun
     left = None if time_limit is None else max(0.0, time_limit - spent)
     result = solve(instance, rules, method=method, time_limit=left, start=start, certify=certify, watch=watch)

@@ -19,6 +19,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from cutgap.benchmark.tasks import Task, canonical, digest, instance_hash, release
+from cutgap.formulations.certify import proved_bound, proves
 from cutgap.instances import Result, check, evaluate
 
 FILE_NAME = "results.jsonl"
@@ -41,7 +42,9 @@ class Record:
     result
         The outcome; its plan was evaluated and checked.
     certificate
-        Name of the file with the verified proof of the bound; ``None`` when it is the solver's claim.
+        Name of the file with a verified proof; ``None`` when the bound is the solver's claim.
+    certified_bound
+        What the certificate proves, in the unit of the objective; it may be less than the bound.
     versions
         Of Python, of this package and of the libraries behind it.
     """
@@ -56,6 +59,12 @@ class Record:
     result: Result
     versions: dict[str, str]
     certificate: str | None = None
+    certified_bound: float | None = None
+
+    @property
+    def certified(self) -> bool:
+        """Whether the certificate proves the bound, and not less."""
+        return self.certificate is not None and proves(self.certified_bound, self.result.lower_bound)
 
     def __post_init__(self) -> None:
         if self.result.plan is not None and self.result.evaluation is None:
@@ -85,6 +94,7 @@ def make_record(task: Task, result: Result) -> Record:
         violations = tuple(check(task.instance, task.rules, result.plan))
         if result.evaluation != evaluate(task.instance, result.plan) or result.violations != violations:
             raise ValueError(f"{task.method} on {task.instance.name!r}: the plan was not checked")
+    certificate = result.certificate
     return Record(
         key=task.key,
         instance=task.instance.name,
@@ -95,6 +105,7 @@ def make_record(task: Task, result: Result) -> Record:
         time_limit=task.time_limit,
         result=result,
         versions=versions(),
+        certified_bound=None if certificate is None else proved_bound(certificate, task.instance),
     )
 
 

@@ -135,8 +135,7 @@ def gap_table(records: Iterable[Record], published: Mapping[str, BestKnown] | No
         every = [record for group in methods.values() for record in group]
         bound = best_bound(every)
         certified = bound is not None and any(
-            each.certificate is not None and (each.result.lower_bound or 0.0) >= bound - slack(bound)
-            for each in every
+            each.certified and (each.result.lower_bound or 0.0) >= bound - slack(bound) for each in every
         )
         best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
         proved = bound is not None and best is not None and best <= bound + slack(bound)
@@ -247,15 +246,18 @@ def table_csv(rows: Sequence[TableRow]) -> str:
     heads = max((row.best.heads for row in rows), default=2)
     published = any(row.published is not None for row in rows)
     heat = any(row.peak is not None for row in rows)
+    links = any(row.rules.links for row in rows)
     text = io.StringIO()
-    writer = csv.DictWriter(text, csv_columns(heads, published=published, heat=heat), lineterminator="\n")
+    writer = csv.DictWriter(
+        text, csv_columns(heads, published=published, heat=heat, links=links), lineterminator="\n"
+    )
     writer.writeheader()
     writer.writerows(cells(row) for row in rows)
     return text.getvalue()
 
 
-def csv_columns(heads: int, *, published: bool = False, heat: bool = False) -> list[str]:
-    """Return the names of the CSV's columns for that many heads, with published figures and heat or without."""
+def csv_columns(heads: int, *, published: bool = False, heat: bool = False, links: bool = False) -> list[str]:
+    """Return the names of the CSV's columns for that many heads, with figures of other kinds or without."""
     times = [f"time_{head + 1}_s" for head in range(heads)]
     figures = ["imbalance_s", "makespan_s", "partition_gap_mm", "unit", "value", "value_mean"]
     proof = ["lower_bound", "proven_optimum", "certified", "gap_percent", "gap_mean_percent", "seconds", "note"]
@@ -265,7 +267,8 @@ def csv_columns(heads: int, *, published: bool = False, heat: bool = False) -> l
         *("peak_c", "peak_lower_bound", "rise_gap_percent", "rise_gap_mean_percent"),
     ]
     others = ["published_value", "published_bound"] if published else []
-    return [*run, *times, *figures, *proof, *others, *(both if heat else [])]
+    linked = ["pierces", "links_mm"] if links else []
+    return [*run, *linked, *times, *figures, *proof, *others, *(both if heat else [])]
 
 
 def cells(row: TableRow) -> dict[str, object]:
@@ -296,6 +299,8 @@ def cells(row: TableRow) -> dict[str, object]:
             "makespan_s": row.evaluation.makespan_s,
             "partition_gap_mm": row.evaluation.partition_gap_mm,
         }
+        if row.rules.links:
+            found |= {"pierces": sum(row.evaluation.pierces), "links_mm": sum(row.evaluation.link_mm)}
     if row.published is not None:
         found |= {"published_value": row.published.value, "published_bound": row.published.lower_bound}
     return found | _heat_cells(row)

@@ -75,7 +75,7 @@ def against(records: Sequence[Record], group: Sequence[Record], shown: Record, f
     rules = shown.result.rules
     weaker = [each for each in records if _holds_for(each.result.rules, rules)]
     bounds = [
-        (each.result.lower_bound, each.certificate is not None)
+        (each.result.lower_bound, each.certified)
         for each in weaker
         if _is_bound_on(each.result.rules, figure) and each.result.lower_bound is not None
     ]

@@ -39,6 +39,10 @@ def describe(rules: Rules, heads: int = 2) -> str:
         parts.append("overlap allowed" if overlap else f"partition gap at least {rules.non_overlap:g} mm")
     if rules.balance is not None:
         parts.append(f"imbalance at most {rules.balance:g} s")
+    if rules.links:
+        parts.append("contours joined by links")
+    if rules.pierces is not None:
+        parts.append(f"at most {rules.pierces} pierce{'s' if rules.pierces > 1 else ''}")
     if rules.via_points:
         parts.append("leftmost contour first")
     if rules.temperature_cap is not None:

@@ -25,6 +25,9 @@ SCALE = 10**9
 MARGINS_MM = (1e-6, 1e-5, 1e-4, 1e-3)
 """How far below the floating-point bound a certificate's claim may lie."""
 
+CERTIFIED_PRECISION = 1e-6
+"""Relative difference of a bound and what its certificate proves that comes from ``MARGINS_MM``."""
+
 MULTIPLIERS_UNUSED = 1
 """Multiplier scale of proofs that have no rows."""
 
@@ -79,6 +82,24 @@ def certificate_of(
             continue
         return certificate
     return None
+
+
+def proved_bound(certificate: Certificate, instance: Instance) -> float | None:
+    """Return the bound that a certificate claims, in the objective's unit; ``None``: no plan is allowed.
+
+    It may be less than the bound of the result that carries it: caps of temperature are in no certificate.
+    """
+    if certificate["bound"] is None:
+        return None
+    unit = instance.machine.v_jump if certificate["rules"]["objective"] == "makespan" else 1.0
+    return float(certificate["bound"] / certificate["scale"] / unit)
+
+
+def proves(proved: float | None, lower_bound: float | None) -> bool:
+    """Whether what a certificate proves is the bound, but for rounding and the margins."""
+    if proved is None or lower_bound is None:
+        return proved is lower_bound
+    return proved >= lower_bound - CERTIFIED_PRECISION * max(1.0, abs(lower_bound))
 
 
 class Rows:

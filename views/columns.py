@@ -38,10 +38,11 @@ def bound(row: TableRow) -> str:
 
 
 def _bound(row: TableRow | Against) -> str:
-    if row.lower_bound is None:
-        return NOTHING
-    claimed = "" if row.certified else " claimed"
-    return f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}{claimed}"
+    return _plain_bound(row) + ("" if row.certified or row.lower_bound is None else " claimed")
+
+
+def _plain_bound(row: TableRow | Against) -> str:
+    return NOTHING if row.lower_bound is None else f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}"
 
 
 def published(row: TableRow) -> str:
@@ -124,11 +125,38 @@ RUNS = Column(
 )
 TRAVEL = _figure("travel [mm]", "Length of all rapids of all heads.", 1, lambda e: e.total_travel_mm)
 PEAK = _figure("peak [C]", "Highest temperature of a start point, deg C.", 1, lambda e: e.peak_temperature_c)
+PIERCES = Column(
+    "pierces",
+    "How often the torch is lit.",
+    lambda row: NOTHING if row.evaluation is None else str(sum(row.evaluation.pierces)),
+)
+LINKS = _figure("links [mm]", "Length of all links, as often as they are passed.", 1, lambda e: sum(e.link_mm))
+IDLE = _figure(
+    "idle [mm]",
+    "Length of all rapids and links: what is travelled besides contours.",
+    1,
+    lambda e: e.total_travel_mm,
+)
+PROOF = Column(
+    "proof",
+    "certified: the certificate of the bound was verified in exact arithmetic; claimed: by the solver alone, "
+    "or the certificate proves less.",
+    lambda row: NOTHING if row.lower_bound is None else "certified" if row.certified else "claimed",
+    numeric=False,
+)
 SECONDS = Column(
     "time [s]",
     "Mean wall time of a run, loading and compiling not counted; it depends on the machine.",
     lambda row: seconds(row.seconds),
 )
+
+
+GAP = Column(
+    "gap [%]",
+    "(value - bound) / value of the best allowed run; none for a plan that breaks a rule.",
+    lambda row: percent(row.gap),
+)
+MEAN_GAP = Column("mean gap [%]", "Mean gap of all allowed runs.", lambda row: percent(row.mean_gap))
 
 
 def _against(
@@ -158,6 +186,8 @@ def columns(rows: Sequence[TableRow]) -> list[Column]:
     """
     if any(row.peak is not None for row in rows):
         return heat_columns(rows)
+    if any(row.rules.links for row in rows):
+        return link_columns(rows)
     heads = max((row.best.heads for row in rows), default=2)
     is_published = any(row.published is not None for row in rows)
     # Where the objective is no figure of its own in the table, it gets a column.
@@ -176,16 +206,37 @@ def columns(rows: Sequence[TableRow]) -> list[Column]:
         Column(
             "bound",
             "=: the optimum of the objective; ≥: a lower bound that no plan meets yet. Its certificate was "
-            "verified in exact arithmetic; claimed: by the solver alone.",
+            "verified in exact arithmetic; claimed: by the solver alone, or the certificate proves less.",
             bound,
         ),
         *([PUBLISHED] if is_published else []),
+        GAP,
+        MEAN_GAP,
+        SECONDS,
+    ]
+
+
+def link_columns(rows: Sequence[TableRow]) -> list[Column]:
+    """Return the columns where contours may be joined by links."""
+    return [
+        PART,
+        SIZE,
+        *([ASKED] if several(rows) else []),
+        METHOD,
+        RUNS,
+        PIERCES,
+        LINKS,
+        IDLE,
+        _figure("makespan [s]", "Time from leaving the home to being back.", 2, lambda e: e.makespan_s),
         Column(
-            "gap [%]",
-            "(value - bound) / value of the best allowed run; none for a plan that breaks a rule.",
-            lambda row: percent(row.gap),
+            "bound",
+            "=: the optimum of the objective; ≥: a lower bound that no plan meets yet. It holds for links "
+            "between the entry points of the instance.",
+            _plain_bound,
         ),
-        Column("mean gap [%]", "Mean gap of all allowed runs.", lambda row: percent(row.mean_gap)),
+        GAP,
+        MEAN_GAP,
+        PROOF,
         SECONDS,
     ]
 

@@ -19,6 +19,8 @@ def evaluation_fields(evaluation: Evaluation) -> dict[str, Any]:
         "imbalance_s": evaluation.imbalance_s,
         "partition_gap_mm": evaluation.partition_gap_mm,
         "backward_mm": list(evaluation.backward_mm),
+        "link_mm": list(evaluation.link_mm),
+        "pierces": list(evaluation.pierces),
         "peak_temperature_c": None if peak is None else json_number(peak),
     }
 
@@ -32,8 +34,12 @@ def print_evaluation(instance: Instance, plan: Plan, evaluation: Evaluation) -> 
     """Print the figures of a plan, one a line."""
     figures = zip(instance.heads, plan.tours, evaluation.travel_mm, evaluation.time_s, strict=True)
     for head, tour, travel, time in figures:
-        print(f"  {head.id:<14} {len(tour)} contours, travel {travel:.1f} mm, time {time:.2f} s")
+        # A visit with links is the start of a stroke through several contours.
+        count = f"{len(tour)} {'pierces' if plan.links else 'contours'}"
+        print(f"  {head.id:<14} {count}, travel {travel:.1f} mm, time {time:.2f} s")
     print(f"  travel         {evaluation.total_travel_mm:.1f} mm")
+    if plan.links:
+        print(f"  links          {sum(evaluation.link_mm):.1f} mm of it, {len(plan.links)} between contours")
     if sum(evaluation.backward_mm) > 0:
         print(f"  back in x      {sum(evaluation.backward_mm):.1f} mm")
     print(f"  makespan       {evaluation.makespan_s:.2f} s")

@@ -16,7 +16,9 @@ from cutgap.instances import Contour, Instance, Plan, Visit
 from cutgap.instances.arrays import Floats
 from cutgap.instances.evaluate import require_known
 from cutgap.instances.free_entries import pinned
+from cutgap.instances.links.strokes import Stroke, strokes
 from cutgap.instances.simulate import tour_nodes
+from cutgap.views.link_plots import draw_strokes, link_handles
 from cutgap.views.options import require_picture_name
 
 HEAD_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -80,8 +82,12 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
     axes.margins(0.04)
     _draw_contours(axes, instance, plan, filled=free)
     if plan is not None:
-        for head, tour in enumerate(plan.tours):
-            _draw_tour(axes, instance, head, tour)
+        for head, (tour, made) in enumerate(zip(plan.tours, strokes(instance, plan), strict=True)):
+            if plan.links:
+                draw_strokes(axes, instance, head, made, _colour(head))
+                _mark_pierces(axes, instance, made, _colour(head))
+            else:
+                _draw_tour(axes, instance, head, tour)
         _draw_partition(axes, instance, plan)
     _draw_homes(axes, instance)
     _draw_legend(figure, instance, plan, via_points)
@@ -125,12 +131,19 @@ def _draw_contours(axes: Axes, instance: Instance, plan: Plan | None, *, filled:
         for head, tour in enumerate(plan.tours if plan is not None else ())
         for visit in tour
     }
+    joined = {
+        contour: head
+        for head, made in enumerate(strokes(instance, plan) if plan is not None else ())
+        for stroke in made
+        for contour in stroke.contours
+    }
     largest = max(float(instance.perimeters.max(initial=0.0)), 1e-9)
     fineness = _fineness(instance)
     points, areas, colours = [], [], []
     for index, contour in enumerate(instance.contours):
         head, entry = owner.get(index, (-1, 0))
-        colours.append(_colour(head) if head >= 0 else UNCUT)
+        cutter = joined.get(index, head)
+        colours.append(_colour(cutter) if cutter >= 0 else UNCUT)
         points.append(contour.entry_points[entry, :2])
         curve = outline(contour)
         share = contour.perimeter / largest if curve is None else 0.25 * fineness**2
@@ -180,6 +193,16 @@ def _draw_tour(axes: Axes, instance: Instance, head: int, tour: tuple[Visit, ...
     if len(tour) <= MOST_NUMBERED:
         _draw_numbers(axes, instance.points[[instance.node(*visit[:2]) for visit in tour], :2], colour)
     axes.scatter(inner[0, 0], inner[0, 1], s=130, facecolors="none", edgecolors=colour, zorder=4)
+
+
+def _mark_pierces(axes: Axes, instance: Instance, made: tuple[Stroke, ...], colour: str) -> None:
+    """Mark and number where strokes begin."""
+    if not made:
+        return
+    points = instance.points[[stroke.start for stroke in made], :2]
+    axes.scatter(points[:, 0], points[:, 1], s=60, facecolors="white", edgecolors=colour, zorder=4)
+    if len(made) <= MOST_NUMBERED:
+        _draw_numbers(axes, points, colour)
 
 
 def _draw_numbers(axes: Axes, points: Floats, colour: str) -> None:
@@ -249,7 +272,8 @@ def _draw_legend(figure: Figure, instance: Instance, plan: Plan | None, via_poin
         for index, head in enumerate(instance.heads):
             name = head.id if head.id.startswith("head") else f"head {head.id}"
             handles.append(Line2D([], [], color=_colour(index), label=name))
-        first = "via point" if via_points else "first contour"
+        first = "pierce" if plan.links else "via point" if via_points else "first contour"
+        handles += link_handles(_colour(0)) if plan.links else []
         handles.append(_mark("o", first, filled=False))
         if sum(map(bool, plan.tours)) > 1:
             handles.append(Line2D([], [], color=UNCUT, linestyle=DOTTED, label="partition (band: overlap)"))

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from cutgap.benchmark.methods import AUTO, is_exact, require_known, run
 from cutgap.benchmark.wording import describe
 from cutgap.formulations import choose
+from cutgap.formulations.certify import proved_bound, proves
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
 from cutgap.instances.formats import read_instance, write_atomically, write_plan
 from cutgap.instances.formats.json_format import format_plan
@@ -132,6 +133,16 @@ def result_fields(instance: Instance, result: Result) -> dict[str, Any]:
     }
 
 
+def _proof(instance: Instance, result: Result) -> str:
+    """Return how the bound is proved; a certificate may prove less."""
+    proved = None if result.certificate is None else proved_bound(result.certificate, instance)
+    if proved is None:
+        return "the solver's claim"
+    if proves(proved, result.lower_bound):
+        return "certified"
+    return f"the solver's claim; certified {proved:.3f} {result.rules.unit}"
+
+
 def _print_result(instance: Instance, result: Result, why: str) -> None:
     unit = result.rules.unit
     print(f"{instance.name}: {result.status}, by {result.method} in {result.seconds:.2f} s")
@@ -141,8 +152,7 @@ def _print_result(instance: Instance, result: Result, why: str) -> None:
     if result.value is not None and not result.violations:
         print(f"  value          {result.value:.3f} {unit}")
     if result.lower_bound is not None:
-        proof = "certified" if result.certificate is not None else "the solver's claim"
-        print(f"  lower bound    {result.lower_bound:.3f} {unit}, {proof}")
+        print(f"  lower bound    {result.lower_bound:.3f} {unit}, {_proof(instance, result)}")
     if result.gap is not None:
         print(f"  gap            {100 * result.gap:.4f} %")
     if result.plan is not None and result.evaluation is not None:

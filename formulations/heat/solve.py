@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cutgap.formulations.certify import Certificate
+from cutgap.formulations.certify import Certificate, proved_bound, proves
 from cutgap.formulations.contour_dp.proof import contour_certificate
 from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import ContourSearch
@@ -25,8 +25,6 @@ from cutgap.instances.progress import Watch, nobody
 
 NAME = "heat"
 
-CERTIFIED_PRECISION = 1e-4
-"""Relative distance of a result's bound and that of its certificate within which they are the same."""
 ANNEAL_SHARE, ANNEAL_SECONDS = 0.4, 60.0
 """How much of the time for a larger plate's peak goes to plans: a share, or seconds where there is no limit."""
 
@@ -164,10 +162,8 @@ def _with_certificate(result: Result, run: Run, certificate: Certificate | None)
     """Return the result with a certificate, and a reason that says where it proves less than the bound."""
     if certificate is None or result.lower_bound is None:
         return replace(result, certificate=certificate)
-    proved = certificate["bound"] / certificate["scale"]
-    if run.rules.objective == "makespan":
-        proved /= run.instance.machine.v_jump
-    if proved >= result.lower_bound - CERTIFIED_PRECISION * max(1.0, result.lower_bound):
+    proved = proved_bound(certificate, run.instance)
+    if proved is None or proves(proved, result.lower_bound):
         return replace(result, certificate=certificate)
     text = f"the certificate proves {proved:.3f} {run.rules.unit}, the bound without heat"
     return replace(
