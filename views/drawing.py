@@ -7,6 +7,7 @@ from cyclopts import Parameter
 
 from cutgap.instances import Instance, Plan
 from cutgap.instances.formats import read_instance, read_plan
+from cutgap.instances.heat import has_heat
 from cutgap.views.options import FILE_MACHINE, File, MachineArguments, PlanFile, require_picture_name
 from cutgap.views.plots import plan_figure, save
 
@@ -19,14 +20,14 @@ def plot(
     /,
     *,
     out: Annotated[
-        Path, Parameter(help="Picture to write: .png, .svg or .pdf; .gif for --heat, or links, in motion.")
+        Path, Parameter(help="Picture to write: .png, .svg or .pdf; .gif for heat or the head's way in motion.")
     ],
     via_points: Annotated[bool, Parameter(help="Name the first contours via points.")] = False,
     heat: Annotated[bool, Parameter(help="Show the sheet's temperature, at the hottest pierce.")] = False,
     at: Annotated[float | None, Parameter(help="Show heat at this time in s.")] = None,
     steps: Annotated[
         int | None,
-        Parameter(help="Show so many panels: heat as contours are pierced, or the way of a plan with links."),
+        Parameter(help="Show so many panels: heat as contours are pierced, or the head's way, without heat."),
     ] = None,
     over_time: Annotated[
         bool, Parameter(help="Show how warm each start point is until it is pierced.")
@@ -46,7 +47,7 @@ def plot(
         from cutgap.views.heat_plots import warming_figure
 
         save(warming_figure(instance, shown, temperature_cap), out)
-    elif shown is not None and shown.links and not hot and (moves or steps is not None):
+    elif shown is not None and not hot and (moves or steps is not None) and _is_cold(instance, shown):
         from cutgap.views.link_plots import save_motion, steps_figure
 
         if moves:
@@ -80,6 +81,11 @@ def _require_one_picture(
         raise ValueError(f"--at: expected a time in s of at least 0, got {at:g}")
     if steps is not None and steps < 1:
         raise ValueError(f"--steps: expected at least 1, got {steps}")
+
+
+def _is_cold(instance: Instance, plan: Plan) -> bool:
+    """Whether steps are those of the head's way, not of heat."""
+    return bool(plan.links) or not has_heat(instance)
 
 
 def _draw_heat(instance: Instance, plan: Plan, out: Path, at: float | None, steps: int | None) -> None:

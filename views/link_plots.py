@@ -1,6 +1,6 @@
 """Pictures of plans with links: strokes from above, the way of the head step by step or in motion.
 
-Links that are passed twice are drawn as two lines side by side, those that are passed once as one, rapids
+Links that are passed twice are drawn as two lines side by side, those that are passed once dotted, rapids
 dashed; what is cut so far is bold. None of it is told apart by colour alone.
 """
 
@@ -22,7 +22,7 @@ from cutgap.instances.evaluate import require_known
 from cutgap.instances.links.strokes import Stroke, link_ends
 from cutgap.instances.links.trajectory import Phase, trajectory
 
-DASHED = (0, (4, 3))
+DASHED, DOTTED = (0, (4, 3)), (0, (1, 0.8))
 DONE, AHEAD = 1.8, 0.5
 """Widths of lines for what is cut and for what is to come, points."""
 FRAMES, FRAMES_PER_SECOND = 60, 10
@@ -36,7 +36,9 @@ def draw_strokes(axes: Axes, instance: Instance, head: int, made: Sequence[Strok
     for stroke in made:
         for link in stroke.links:
             passed[link.passes].append(instance.points[list(link_ends(instance, link)), :2])
-    axes.add_collection(LineCollection(passed[1], colors=colour, linewidths=1.3, zorder=2.2))
+    axes.add_collection(
+        LineCollection(passed[1], colors=colour, linewidths=2.0, linestyles=[DOTTED], zorder=2.2)
+    )
     axes.add_collection(LineCollection(passed[2], colors=colour, linewidths=2.8, zorder=2.2))
     # A white core makes two lines of one.
     axes.add_collection(LineCollection(passed[2], colors="white", linewidths=1.0, zorder=2.3))
@@ -54,7 +56,7 @@ def draw_strokes(axes: Axes, instance: Instance, head: int, made: Sequence[Strok
 def link_handles(colour: str) -> list[Line2D]:
     """Return what a legend says about links."""
     return [
-        Line2D([], [], color=colour, linewidth=1.3, label="link, passed once"),
+        Line2D([], [], color=colour, linewidth=2.0, linestyle=DOTTED, label="link, passed once"),
         Line2D([], [], color=colour, linewidth=2.8, label="link, passed twice", path_effects=_doubled(colour)),
         Line2D([], [], color=colour, linewidth=1.0, linestyle=DASHED, label="rapid"),
     ]
@@ -83,7 +85,8 @@ class Way:
             each.kind != "rapid" and (k == 0 or self.phases[k - 1].kind == "rapid")
             for k, each in enumerate(self.phases)
         ]
-        machine = instance.machine
+        home, machine = instance.home_node(0), instance.machine
+        self.home = None if home is None else instance.points[home, :2]
         times = [
             _length(each.points) / (machine.v_jump if each.kind == "rapid" else machine.v_cut)
             for each in self.phases
@@ -130,7 +133,9 @@ class Way:
             axes.scatter(x, y, s=36, facecolors="white", edgecolors="black", zorder=4)
             axes.annotate(str(number), (x, y), fontsize=5, ha="center", va="center", zorder=5)
         place = made[-1].points[-1] if made else self.phases[0].points[0]
-        axes.scatter(*place, s=40, marker="x", color="black", zorder=6)
+        axes.scatter(place[0], place[1], s=40, marker="x", color="black", zorder=6)
+        if self.home is not None:
+            axes.scatter(self.home[0], self.home[1], s=24, marker="s", color="black", zorder=3)
         axes.set_aspect("equal")
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), xticks=[], yticks=[])
         done = sum(_length(each.points) for each in made if each.kind != "rapid")

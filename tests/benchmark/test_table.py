@@ -13,7 +13,10 @@ from cutgap.benchmark.records import make_record
 from cutgap.benchmark.table import csv_columns, gap_table, summarise, table_csv
 from cutgap.benchmark.tasks import Task
 from cutgap.benchmark.trade_off import ContradictionError
+from cutgap.formulations import solve, verify
 from cutgap.instances import Plan, Rules, Status, conclude
+from cutgap.instances.formats.json_format import format_instance as document
+from cutgap.views.columns import bound
 
 HOLES = 6
 
@@ -58,6 +61,22 @@ def test_gaps_are_against_the_best_proved_bound(instance):
     summary = summarise(rows)[1]
     assert (summary.runs, summary.allowed, summary.instances) == (len(allowed), len(allowed), 1)
     assert summary.spread[0] == rows[1].gap
+
+
+@pytest.mark.parametrize("objective", ["makespan", "travel"])
+def test_a_bound_is_certified_only_if_the_certificate_proves_it(instance, objective):
+    task = Task(instance, Rules(objective), "split", 0)
+    result = solve(instance, task.rules, certify=True)
+    # A file name stands for the certificate once it is on disk.
+    whole = replace(make_record(task, result), certificate="proof.json")
+    assert whole.certified_bound == pytest.approx(float(verify(result.certificate, document(instance)).bound))
+    assert [row.certified for row in gap_table([whole])] == [True]
+    assert not replace(whole, certificate=None).certified
+    less = result.certificate | {"bound": result.certificate["bound"] * 99 // 100}
+    weak = replace(make_record(task, replace(result, certificate=less)), certificate="proof.json")
+    assert weak.certified_bound == pytest.approx(0.99 * result.lower_bound)
+    assert [row.certified for row in gap_table([weak])] == [False]
+    assert "claimed" in bound(gap_table([weak])[0])
 
 
 def test_a_plan_that_meets_the_bound_is_an_optimum(instance):
