@@ -6,7 +6,7 @@ SUITE ?= table1
 CHROMIUM := /usr/bin/chromium
 FOLDERS := benchmark formulations heuristics instances views
 
-.PHONY: gaps test typing-links clean
+.PHONY: gaps test docs recorded typing-links clean
 
 gaps: $(VENV)/installed
 	$(BIN)/cutgap gaps $(SUITE) --resume
@@ -16,6 +16,18 @@ test: $(VENV)/installed typing-links $(CHROMIUM)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/pytest -n auto
+
+# Executes every page; a warning, also of a link that leads nowhere, is an error.
+docs: $(VENV)/docs-installed
+	$(BIN)/sphinx-build -W --keep-going -q -b html docs build/docs
+
+# The runs behind the benchmark page.
+recorded: $(VENV)/installed
+	$(BIN)/python docs/recorded/record.py
+
+$(VENV)/docs-installed: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	touch $@
 
 # Runs again only when the dependencies change; the install is editable.
 $(VENV)/installed: pyproject.toml

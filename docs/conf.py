@@ -1,0 +1,66 @@
+"""Sphinx configuration of the documentation; ``make docs`` builds it, and a warning is an error."""
+
+import re
+from importlib.metadata import version as version_of
+from typing import Any
+
+from cutgap import formulations
+
+# Its names are loaded on first use, and autodoc only sees what is there.
+vars(formulations).update({name: getattr(formulations, name) for name in formulations.__all__})
+
+BAR = re.compile(r"``.*?``|\|")
+"""A bar, or a literal, in which bars are left alone."""
+
+project = "cutgap"
+author = "the authors of cutgap"
+release = version = version_of("cutgap")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+]
+exclude_patterns = ["build"]
+
+html_theme = "furo"
+html_title = "cutgap"
+html_show_sourcelink = False
+html_copy_source = False
+# Links that lead nowhere are warnings, and so errors; names in signatures are not all documented.
+nitpicky = True
+nitpick_ignore_regex = [(r"py:.*", r".*")]
+
+myst_heading_anchors = 3
+
+# A page is what its cells print today, so nothing is taken from a cache.
+nb_execution_mode = "force"
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_code_prompt_show = "Show {type}"
+nb_code_prompt_hide = "Hide {type}"
+nb_merge_streams = True
+
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+autosummary_generate = False
+
+
+def as_written(app: Any, what: str, name: str, obj: object, options: Any, lines: list[str]) -> None:
+    """Show the docstring of a module, which is a model with aligned equations, exactly as it stands.
+
+    Elsewhere a bar is an absolute value, which reStructuredText would take for a substitution.
+    """
+    if what == "module" and lines:
+        lines[:] = [".. code-block:: text", "", *(f"   {line}" for line in lines), ""]
+    else:
+        lines[:] = [BAR.sub(lambda bar: bar[0] if bar[0] != "|" else "\\|", line) for line in lines]
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", as_written)

@@ -1,0 +1,65 @@
+"""Every lesson runs; its checks accept the solutions, and say what is wrong with wrong answers."""
+
+import ast
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+LESSONS = Path(__file__).resolve().parents[2] / "docs" / "lessons"
+CELL = re.compile(r"^```\{code-cell\} python3\n((?::[^\n]*\n)*)(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+WRONG = {
+    "subtours": [
+        ("check_positions(lambda n: [])", "let through"),
+        ("check_positions(around)", "cut off a feasible plan"),
+        ("check_strong(lambda n: sets(n)[: (n - 1) * (n - 2) // 2])", "let through"),
+        ("check_strong(positions)", "weak"),
+        ("check_count(2**40)", "empty set"),
+        ("check_count(780)", "pairs"),
+    ],
+}
+"""Wrong answers by lesson, and what the check has to say of them."""
+
+
+def run(code, names):
+    """Run a cell like a notebook does and return the value of its last expression."""
+    body = ast.parse(code).body
+    last = body.pop() if body and isinstance(body[-1], ast.Expr) else None
+    exec(compile(ast.Module(body, []), "cell", "exec"), names)
+    return None if last is None else eval(compile(ast.Expression(last.value), "cell", "eval"), names)
+
+
+@pytest.mark.parametrize("lesson", sorted(WRONG))
+def test_a_lesson_accepts_its_solutions_and_rejects_wrong_answers(lesson, monkeypatch):
+    monkeypatch.chdir(LESSONS)
+    monkeypatch.syspath_prepend(str(LESSONS))
+    names = {"__name__": lesson}
+    solutions = []
+    for tags, code in CELL.findall((LESSONS / f"{lesson}.md").read_text(encoding="utf-8")):
+        value = run(code, names)
+        if "solution" in tags:
+            solutions.append(value)
+    assert solutions
+    assert all(verdict.right for verdict in solutions), solutions
+    for answer, words in WRONG[lesson]:
+        verdict = run(answer, names)
+        assert not verdict.right, answer
+        assert re.search(words, verdict.why), (answer, verdict.why)
+
+
+def test_every_lesson_is_tested():
+    lessons = {path.stem for path in LESSONS.glob("*.md")} - {"index"}
+    assert lessons == set(WRONG)
+    assert all(len(answers) >= 2 for answers in WRONG.values())
+
+
+def test_a_check_without_an_answer_is_not_right(monkeypatch):
+    monkeypatch.syspath_prepend(str(LESSONS))
+    import checking
+
+    assert not checking.number(None, 1.0, within=0.1).right
+    assert not checking.bound(None, 1.0, at_least=0.0).right
+    assert not checking.predicate(None, [], bool).right
+    assert not checking.subtour_rows(None, lengths=np.zeros((3, 3)), at_least=0.0).right
