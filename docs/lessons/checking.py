@@ -1,7 +1,7 @@
 """Checks of a student's answers; a wrong one is told why, on a small instance where all plans can be listed.
 
-A model is wrong in one of three ways: it cuts off a feasible plan, it lets through what is no plan, or it is valid
-but weak. A bound is wrong in two: it exceeds the value of a plan, or it is weak.
+A model is wrong in one of three ways: it cuts off a feasible plan, it lets through what is no plan, or it is
+valid but weak. A bound is wrong in two: it exceeds the value of a plan, or it is weak.
 """
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
@@ -70,7 +70,12 @@ def bound(answer: float | None, optimum: float, *, at_least: float) -> Verdict:
 
 
 def predicate(
-    answer: Callable[[Case], bool] | None, cases: Iterable[Case], truth: Callable[[Case], bool]
+    answer: Callable[[Case], bool] | None,
+    cases: Iterable[Case],
+    truth: Callable[[Case], bool],
+    *,
+    missed: str = "it cuts off a feasible plan",
+    passed: str = "it lets through what is no plan",
 ) -> Verdict:
     """Check a test of what is allowed against the truth, on each of the cases."""
     if answer is None:
@@ -80,9 +85,9 @@ def predicate(
         said, true = bool(answer(case)), truth(case)
         count += 1
         if true and not said:
-            return Verdict(False, f"it cuts off a feasible plan: {case}")
+            return Verdict(False, f"{missed}: {case}")
         if said and not true:
-            return Verdict(False, f"it lets through what is no plan: {case}")
+            return Verdict(False, f"{passed}: {case}")
     return Verdict(True, f"agrees with all {count} cases")
 
 

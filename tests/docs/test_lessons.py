@@ -11,6 +11,21 @@ LESSONS = Path(__file__).resolve().parents[2] / "docs" / "lessons"
 CELL = re.compile(r"^```\{code-cell\} python3\n((?::[^\n]*\n)*)(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 WRONG = {
+    "why-bounds": [
+        ("check_work(12.0)", "t_aux"),
+        ("check_work(13.0)", "each hole"),
+        ("check_travel(lambda order: travel(order) - float(np.hypot(*places[order[-1]])))", "way home"),
+        ("check_travel(lambda order: 2 * travel(order))", "too large"),
+        ("check_bound(best + 1)", "no bound"),
+        ("check_bound(199.0)", "weak"),
+    ],
+    "held-karp": [
+        ("check_tree(plain - 24)", "edges at node 0"),
+        ("check_tree(plain - 14)", "second edge"),
+        ("check_prices([0] * 6)", "weak"),
+        ("check_checker(lambda prices, claimed: True)", "believes too much"),
+        ("check_checker(lambda prices, claimed: claimed == bound_of(prices))", "refuses a proof"),
+    ],
     "subtours": [
         ("check_positions(lambda n: [])", "let through"),
         ("check_positions(around)", "cut off a feasible plan"),
