@@ -6,10 +6,13 @@ SUITE ?= table1
 CHROMIUM := /usr/bin/chromium
 FOLDERS := benchmark formulations heuristics instances views
 
-.PHONY: gaps test docs recorded typing-links clean
+.PHONY: gaps live test docs recorded typing-links clean
 
 gaps: $(VENV)/installed
 	$(BIN)/cutgap gaps $(SUITE) --resume
+
+live: $(VENV)/installed
+	$(BIN)/marimo run docs/live/two_heads.py
 
 test: $(VENV)/installed typing-links $(CHROMIUM)
 	$(BIN)/ruff check .
@@ -32,7 +35,7 @@ $(VENV)/docs-installed: $(VENV)/installed
 # Runs again only when the dependencies change; the install is editable.
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[test,cluster]'
+	$(BIN)/python -m pip install --quiet --editable '.[test,cluster,live]'
 	touch $@
 
 # Pages are tested in a browser; Debian's, which needs no download of its own.

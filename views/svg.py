@@ -46,7 +46,13 @@ def inline_svg(figure: Figure, label: str) -> str:
     svg = re.sub(r' font-family: [^;"]*;', "", svg)
     svg = re.sub(r'<g id="[^"]*">', "<g>", svg)
     svg = svg.replace("<svg", f'<svg role="img" aria-label="{escape(label)}"', 1)
-    variables = {INK: "currentColor", UNCUT: "var(--grey)"}
+    # White stands for the ground: halos of numbers, rims of squares, open markers.
+    variables = {
+        INK: "currentColor",
+        "#000000": "currentColor",
+        "#ffffff": "var(--ground)",
+        UNCUT: "var(--grey)",
+    }
     variables |= {colour: f"var(--head-{index})" for index, colour in enumerate(HEAD_COLOURS)}
     for colour, variable in variables.items():
         svg = svg.replace(colour.lower(), variable)
