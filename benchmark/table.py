@@ -37,6 +37,8 @@ class TableRow:
         Whether that bound is the optimum: some allowed plan meets it.
     certified
         Whether a certificate of the bound was verified; else it is a solver's claim.
+    certified_bound
+        The best bound that certificates prove; it may be less.
     gaps
         Of each allowed run; empty without a bound.
     seconds
@@ -67,6 +69,7 @@ class TableRow:
     published: BestKnown | None = None
     travel: Against | None = None
     peak: Against | None = None
+    certified_bound: float | None = None
 
     @property
     def evaluation(self) -> Evaluation | None:
@@ -140,8 +143,10 @@ def gap_table(records: Iterable[Record], published: Mapping[str, BestKnown] | No
         best = min((value for each in every if (value := allowed_value(each)) is not None), default=None)
         proved = bound is not None and best is not None and best <= bound + slack(bound)
         known = (published or {}).get(every[0].instance)
+        lesser = max((b for each in every if (b := each.certified_bound) is not None), default=None)
         rows += [
-            replace(_table_row(group, bound, proved, certified), published=known) for group in methods.values()
+            replace(_table_row(group, bound, proved, certified), published=known, certified_bound=lesser)
+            for group in methods.values()
         ]
     if any(map(speaks_of_heat, instances.values())):
         groups = [group for methods in problems.values() for group in methods.values()]

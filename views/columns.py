@@ -41,8 +41,8 @@ def _bound(row: TableRow | Against) -> str:
     return _plain_bound(row) + ("" if row.certified or row.lower_bound is None else " claimed")
 
 
-def _plain_bound(row: TableRow | Against) -> str:
-    return NOTHING if row.lower_bound is None else f"{'=' if row.proved else '≥'} {row.lower_bound:.2f}"
+def _plain_bound(row: TableRow | Against, digits: int = 2) -> str:
+    return NOTHING if row.lower_bound is None else f"{'=' if row.proved else '≥'} {row.lower_bound:.{digits}f}"
 
 
 def published(row: TableRow) -> str:
@@ -130,18 +130,27 @@ PIERCES = Column(
     "How often the torch is lit.",
     lambda row: NOTHING if row.evaluation is None else str(sum(row.evaluation.pierces)),
 )
-LINKS = _figure("links [mm]", "Length of all links, as often as they are passed.", 1, lambda e: sum(e.link_mm))
+LINKS = _figure("links [mm]", "Length of all links, as often as they are passed.", 3, lambda e: sum(e.link_mm))
 IDLE = _figure(
     "idle [mm]",
     "Length of all rapids and links: what is travelled besides contours.",
-    1,
+    3,
     lambda e: e.total_travel_mm,
 )
+
+
+def _proof(row: TableRow) -> str:
+    if row.lower_bound is None:
+        return NOTHING
+    less = "" if row.certified_bound is None else f", certified ≥ {row.certified_bound:.6g}"
+    return "certified" if row.certified else f"claimed{less}"
+
+
 PROOF = Column(
     "proof",
     "certified: the certificate of the bound was verified in exact arithmetic; claimed: by the solver alone, "
     "or the certificate proves less.",
-    lambda row: NOTHING if row.lower_bound is None else "certified" if row.certified else "claimed",
+    _proof,
     numeric=False,
 )
 SECONDS = Column(
@@ -232,7 +241,7 @@ def link_columns(rows: Sequence[TableRow]) -> list[Column]:
             "bound",
             "=: the optimum of the objective; ≥: a lower bound that no plan meets yet. It holds for links "
             "between the entry points of the instance.",
-            _plain_bound,
+            lambda row: _plain_bound(row, 3),
         ),
         GAP,
         MEAN_GAP,

@@ -16,7 +16,7 @@ from cutgap.benchmark.trade_off import ContradictionError
 from cutgap.formulations import solve, verify
 from cutgap.instances import Plan, Rules, Status, conclude
 from cutgap.instances.formats.json_format import format_instance as document
-from cutgap.views.columns import bound
+from cutgap.views.columns import PROOF, bound
 
 HOLES = 6
 
@@ -76,7 +76,9 @@ def test_a_bound_is_certified_only_if_the_certificate_proves_it(instance, object
     weak = replace(make_record(task, replace(result, certificate=less)), certificate="proof.json")
     assert weak.certified_bound == pytest.approx(0.99 * result.lower_bound)
     assert [row.certified for row in gap_table([weak])] == [False]
-    assert "claimed" in bound(gap_table([weak])[0])
+    row = gap_table([weak])[0]
+    assert "claimed" in bound(row)
+    assert PROOF.cell(row) == f"claimed, certified ≥ {weak.certified_bound:.6g}"
 
 
 def test_a_plan_that_meets_the_bound_is_an_optimum(instance):
