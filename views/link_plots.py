@@ -47,7 +47,9 @@ def draw_strokes(axes: Axes, instance: Instance, head: int, made: Sequence[Strok
         last = made[-1].end
         sources = [last if home is None else home, *(stroke.end for stroke in made)]
         targets = [*(stroke.start for stroke in made), *([] if home is None else [home])]
-        legs = [instance.points[[source, target], :2] for source, target in zip(sources, targets, strict=False)]
+        # There and back is drawn once: dashes over dashes look like a line.
+        ways = {frozenset(way): way for way in zip(sources, targets, strict=False)}
+        legs = [instance.points[list(way), :2] for way in ways.values()]
         axes.add_collection(
             LineCollection(legs, colors=colour, linewidths=1.0, linestyles=[DASHED], zorder=2.1)
         )

@@ -48,6 +48,8 @@ def test_json_of_solve_has_the_published_fields(part, capsys):
         "imbalance_s",
         "partition_gap_mm",
         "backward_mm",
+        "link_mm",
+        "pierces",
         "peak_temperature_c",
     ]
     assert (fields["status"], fields["method"], fields["objective"]) == ("optimal", "split", "makespan")
