@@ -19,7 +19,6 @@ release = version = version_of("cutgap")
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
 ]
 exclude_patterns = ["build"]
@@ -28,6 +27,9 @@ html_theme = "furo"
 html_title = "cutgap"
 html_show_sourcelink = False
 html_copy_source = False
+html_show_copyright = False
+html_static_path = ["site.css"]
+html_css_files = ["site.css"]
 # Links that lead nowhere are warnings, and so errors; names in signatures are not all documented.
 nitpicky = True
 nitpick_ignore_regex = [(r"py:.*", r".*")]
@@ -39,15 +41,16 @@ nb_execution_mode = "force"
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
-nb_code_prompt_show = "Show {type}"
-nb_code_prompt_hide = "Hide {type}"
+nb_code_prompt_show = "Show the code"
+nb_code_prompt_hide = "Hide the code"
+# The default leaves tables out.
+nb_render_markdown_format = "myst"
 nb_merge_streams = True
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
-autosummary_generate = False
 
 
 def as_written(app: Any, what: str, name: str, obj: object, options: Any, lines: list[str]) -> None:

@@ -1,11 +1,16 @@
-"""Tables that pages of the documentation show; their figures are read from records of runs."""
+"""Tables and pictures that pages of the documentation show; figures are read from records of runs."""
 
+import base64
+import html
+import io
 from collections.abc import Iterable, Sequence
 
-from IPython.display import Markdown
+from IPython.display import HTML, Markdown
 
 from cutgap.benchmark.records import Record
 from cutgap.benchmark.table import gap_table
+from cutgap.instances import Instance, Plan
+from cutgap.views.plots import plan_figure
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
@@ -34,6 +39,16 @@ def gaps(records: Iterable[Record]) -> Markdown:
             )
             for row in gap_table(records)
         ],
+    )
+
+
+def plan(instance: Instance, plan: Plan | None, title: str) -> HTML:
+    """Return the picture of a plan, with its title for those who do not see it."""
+    image = io.BytesIO()
+    plan_figure(instance, plan, title=title).savefig(image, format="png", dpi=130)
+    data = base64.b64encode(image.getvalue()).decode("ascii")
+    return HTML(
+        f'<img class="plan-picture" alt="Plan: {html.escape(title)}" src="data:image/png;base64,{data}">'
     )
 
 

@@ -11,6 +11,14 @@ LESSONS = Path(__file__).resolve().parents[2] / "docs" / "lessons"
 CELL = re.compile(r"^```\{code-cell\} python3\n((?::[^\n]*\n)*)(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 WRONG = {
+    "one-pierce": [
+        ("check_euler(lambda edges: odd_points(edges) == 0)", "lights the torch again"),
+        ("check_euler(lambda edges: odd_points(edges) <= 2)", "no single stroke"),
+        ("check_doubled(12.0)", "tree cut once"),
+        ("check_doubled(32.0)", "three links"),
+        ("check_bound(24.0)", "no bound"),
+        ("check_bound(12.0)", "weak"),
+    ],
     "why-bounds": [
         ("check_work(12.0)", "t_aux"),
         ("check_work(13.0)", "each hole"),
