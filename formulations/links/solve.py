@@ -11,6 +11,7 @@ import numpy as np
 
 from cutgap.formulations.branch_and_cut.engine import BranchAndCut
 from cutgap.formulations.branch_and_cut.tour import TOLERANCE
+from cutgap.formulations.certify import proved_bound, proves
 from cutgap.formulations.links.graph import LinkGraph, Pair
 from cutgap.formulations.links.model import LinkModel
 from cutgap.formulations.links.plans import cost, first_plans, passes_of, plan_of
@@ -85,11 +86,24 @@ def solve_links(
         return result
     plan = None if result.violations or instance.precedence else result.plan
     certificate = bound_certificate(instance, rules, graph, outcome, plan)
-    if certificate is None or result.status is Status.OPTIMAL:
-        return replace(result, certificate=certificate)
-    # An open gap is told as it is proved; a closed one is within the tolerance of its proof.
-    proved = certificate["bound"] / certificate["scale"] / (instance.machine.v_jump if timed else 1.0)
-    return replace(result, certificate=certificate, lower_bound=min(proved, result.lower_bound or 0.0))
+    return _as_proved(replace(result, certificate=certificate), instance)
+
+
+def _as_proved(result: Result, instance: Instance) -> Result:
+    """Return a result whose bound is no more than its certificate proves, but for rounding.
+
+    The checker counts links that only graze a part as clear, so a proof may fall short of the search.
+    """
+    if result.certificate is None or result.lower_bound is None:
+        return result
+    proved = proved_bound(result.certificate, instance)
+    if proved is None or (result.status is Status.OPTIMAL and proves(proved, result.lower_bound)):
+        return result
+    reason = (
+        result.reason or f"the search closed at {result.lower_bound:.9g}, which its certificate falls short of"
+    )
+    bound = min(proved, result.lower_bound)
+    return replace(result, status=Status.FEASIBLE, lower_bound=bound, reason=reason)
 
 
 def _empty(instance: Instance, rules: Rules, begun: float, certify: bool) -> Result:

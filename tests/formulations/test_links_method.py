@@ -156,7 +156,6 @@ def test_an_open_gap_is_told_as_it_is_proved(monkeypatch: pytest.MonkeyPatch) ->
     result = solve(twenty_squares(), rules, time_limit=1.0, certify=True)
     assert result.certificate is not None
     proved = result.certificate["bound"] / result.certificate["scale"]
-    if result.status is Status.OPTIMAL:
-        assert proved == pytest.approx(result.value - 0.5, abs=1e-5)
-    else:
-        assert result.lower_bound == proved
+    assert result.lower_bound == proved
+    assert result.status is Status.FEASIBLE
+    assert result.reason is not None
