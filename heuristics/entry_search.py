@@ -7,38 +7,15 @@ rapids, or one with few of them where none was found: ``check`` then names them.
 """
 
 import time
-from dataclasses import dataclass
 
 import numpy as np
 
+from cutgap.heuristics.effort import PIECE_SECONDS, SearchEffort
 from cutgap.heuristics.sides import Clock
 from cutgap.instances import Instance, Plan, Rules, check, evaluate
 from cutgap.instances.check import require_coordinates
 from cutgap.instances.entry_tours import EntrySearch, entry_task
 from cutgap.instances.progress import Progress, Watch, nobody
-
-PIECE_SECONDS = 0.1
-"""About how long the kernel works between two looks at the clock."""
-
-
-@dataclass(frozen=True, slots=True)
-class EntrySearchParameters:
-    """Effort of the search.
-
-    Parameters
-    ----------
-    rounds_per_contour
-        Rounds of ruin and recreate for each contour.
-    """
-
-    rounds_per_contour: int = 500
-
-    def __post_init__(self) -> None:
-        rounds = self.rounds_per_contour
-        if isinstance(rounds, bool) or not isinstance(rounds, int) or rounds < 0:
-            raise ValueError(
-                f"entry search, rounds_per_contour: expected a whole number of at least 0, got {rounds!r}"
-            )
 
 
 class Incumbent:
@@ -65,7 +42,7 @@ def entry_search(
     rng: np.random.Generator,
     watch: Watch = nobody,
     time_limit: float | None = None,
-    parameters: EntrySearchParameters | None = None,
+    parameters: SearchEffort | None = None,
 ) -> Plan:
     """Plan one head, with any number of entry points.
 
@@ -83,7 +60,7 @@ def entry_search(
             "local-search takes more, with one entry point per contour"
         )
     require_coordinates(instance, rules)
-    parameters = parameters or EntrySearchParameters()
+    parameters = parameters or SearchEffort()
     incumbent = Incumbent(instance, rules, watch, Clock(time_limit))
     if not instance.contours:
         return Plan(((),))

@@ -11,10 +11,11 @@ It is never worse than (1), nor than (3) where that is tried. New links lead bet
 """
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from cutgap.heuristics.effort import PIECE_SECONDS, SearchEffort
 from cutgap.heuristics.entry_search import Incumbent, entry_search
 from cutgap.heuristics.euler_bridging import euler_bridging
 from cutgap.heuristics.link_moves import (
@@ -35,29 +36,6 @@ from cutgap.instances.arrays import Floats, Ints
 from cutgap.instances.links.strokes import link_length
 from cutgap.instances.progress import Watch, nobody
 
-PIECE_SECONDS = 0.1
-"""About how long the kernel works between two looks at the clock."""
-
-
-@dataclass(frozen=True, slots=True)
-class LinkSearchParameters:
-    """Effort of the search.
-
-    Parameters
-    ----------
-    rounds_per_contour
-        Rounds of ruin and recreate for each contour.
-    """
-
-    rounds_per_contour: int = 500
-
-    def __post_init__(self) -> None:
-        rounds = self.rounds_per_contour
-        if isinstance(rounds, bool) or not isinstance(rounds, int) or rounds < 0:
-            raise ValueError(
-                f"link search, rounds_per_contour: expected a whole number of at least 0, got {rounds!r}"
-            )
-
 
 def link_search(
     instance: Instance,
@@ -66,7 +44,7 @@ def link_search(
     rng: np.random.Generator,
     watch: Watch = nobody,
     time_limit: float | None = None,
-    parameters: LinkSearchParameters | None = None,
+    parameters: SearchEffort | None = None,
 ) -> Plan:
     """Plan one head whose contours may be joined by links, with any number of pierces that the rules allow.
 
@@ -79,7 +57,7 @@ def link_search(
     ValueError
         When the rules do not allow links, or do not suit the instance (see ``link_check.require_links``).
     """
-    parameters = parameters or LinkSearchParameters()
+    parameters = parameters or SearchEffort()
     clock = Clock(time_limit)
     incumbent = Incumbent(instance, rules, watch, clock)
     reference = euler_bridging(instance, rules, rng=rng)
@@ -125,7 +103,7 @@ def _search(
     incumbent: Incumbent,
     reference: Plan,
     tour: Plan | None,
-    parameters: LinkSearchParameters,
+    parameters: SearchEffort,
     rng: np.random.Generator,
 ) -> None:
     """Search from the best of the three plans, and offer what is found."""

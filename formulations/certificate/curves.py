@@ -10,6 +10,8 @@ r"""The curves of contours, exactly: what a rapid crosses, and which parts are n
 Coordinates are integers, multiplied so that t (w - v) is one too.
 """
 
+from collections.abc import Iterable
+from fractions import Fraction
 from itertools import pairwise
 
 from cutgap.formulations.certificate.problem import Problem
@@ -21,6 +23,7 @@ SHARE = 10**6
 
 Point = tuple[int, int]
 Edge = tuple[Point, Point]
+Place = tuple[int | Fraction, int | Fraction]
 
 
 class Curves:
@@ -102,7 +105,7 @@ class Curves:
         for p, q in self.edges[inner]:
             for point in (p, ((p[0] + q[0]) // 2, (p[1] + q[1]) // 2)):
                 if not any(_turn(*edge, point) == 0 and _between(*edge, point) for edge in self.edges[outer]):
-                    return _inside(point, self.edges[outer])
+                    return inside(point, self.edges[outer])
         return True
 
 
@@ -130,7 +133,7 @@ def _between(a: Point, b: Point, c: Point) -> bool:
     return min(a[0], b[0]) <= c[0] <= max(a[0], b[0]) and min(a[1], b[1]) <= c[1] <= max(a[1], b[1])
 
 
-def _inside(point: Point, edges: list[Edge]) -> bool:
+def inside(point: Place, edges: Iterable[tuple[Place, Place]]) -> bool:
     """Whether a ray to the right leaves the curve an odd number of times; the point is not on it."""
     x, y = point
     odd = False

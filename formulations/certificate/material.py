@@ -8,6 +8,7 @@ the largest extent of all curves. As the library decides this in floats, a proof
 from fractions import Fraction
 from itertools import pairwise
 
+from cutgap.formulations.certificate.curves import inside
 from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.reading import require, show
 
@@ -43,7 +44,7 @@ class Material:
         for edges in self._near(point, point, margin):
             if any(_square(point, edge) <= margin * margin for edge in edges):
                 return False
-            odd ^= _inside(point, edges)
+            odd ^= inside(point, edges)
         return odd
 
     def is_clear(self, tail: int, head: int) -> bool:
@@ -63,7 +64,7 @@ class Material:
         low, high = piece
         middle = (low + high) / 2
         point = _along(a, b, middle)
-        if sum(_inside(point, each) for each in near) % 2 == 0:
+        if sum(inside(point, each) for each in near) % 2 == 0:
             return True
         ends = _along(a, b, low), _along(a, b, high)
         limit, edges = self.depth * self.depth, [edge for each in near for edge in each]
@@ -104,17 +105,6 @@ def _square(point: Place, edge: Edge) -> Fraction:
     share = Fraction(0) if length == 0 else ((point[0] - ax) * dx + (point[1] - ay) * dy) / length
     x, y = _along((ax, ay), (bx, by), min(max(share, Fraction(0)), Fraction(1)))
     return (point[0] - x) ** 2 + (point[1] - y) ** 2
-
-
-def _inside(point: Place, edges: list[Edge]) -> bool:
-    """Whether a ray to the right leaves the curve an odd number of times; the point is not on it."""
-    x, y = point
-    odd = False
-    for (ax, ay), (bx, by) in edges:
-        if (ay > y) != (by > y):
-            left = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
-            odd ^= (left > 0) == (by > ay)
-    return odd
 
 
 def _meetings(a: Place, b: Place, edge: Edge) -> list[Fraction]:

@@ -422,7 +422,7 @@ MUTANTS = [
         "curves_lie_in_curves",
         ("(left > 0) == (by > ay)", "left > 0"),
         ("(sizes[1], -outer) <= (sizes[0], -inner)", "(sizes[1], outer) <= (sizes[0], inner)"),
-        ("return _inside(point, self.edges[outer])", "return not _inside(point, self.edges[outer])"),
+        ("return inside(point, self.edges[outer])", "return not inside(point, self.edges[outer])"),
     ),
     Mutant("curves.py", "require(bool(curve)", "require(True", "curves_are_needed_for_rules_on_curves"),
 ]

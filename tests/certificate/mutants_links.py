@@ -143,7 +143,7 @@ LINKS: list[Mutant] = [
     *mutants(
         "material.py",
         HOLE,
-        ("odd ^= _inside(point, edges)", "odd |= _inside(point, edges)"),
+        ("odd ^= inside(point, edges)", "odd |= inside(point, edges)"),
         ("<= margin * margin", "< 0"),
         ("margin = 2 * self.depth", "margin = self.depth / 2"),
         ("Fraction(1, 10**7)", "Fraction(1, 10**6)"),

@@ -7,10 +7,10 @@ from oracles.random_instances import random_instance
 from oracles.random_rows import random_row
 
 from cutgap.heuristics import entry_search
-from cutgap.heuristics.entry_search import EntrySearchParameters
+from cutgap.heuristics.effort import SearchEffort
 from cutgap.instances import Contour, Head, Instance, Machine, Rules, check, evaluate
 
-QUICK = EntrySearchParameters(rounds_per_contour=50)
+QUICK = SearchEffort(rounds_per_contour=50)
 ALONE = (
     Rules("travel"),
     Rules(),
@@ -139,7 +139,7 @@ def test_more_effort_is_not_worse():
     nest, rules = random_nest(40), Rules("travel")
     values = [
         evaluate(
-            nest, entry_search(nest, rules, rng=np.random.default_rng(1), parameters=EntrySearchParameters(n))
+            nest, entry_search(nest, rules, rng=np.random.default_rng(1), parameters=SearchEffort(n))
         ).total_travel_mm
         for n in (0, 50)
     ]
@@ -160,4 +160,4 @@ def test_what_is_not_supported_is_named():
     with pytest.raises(ValueError, match="coordinates"):
         entry_search(bare, Rules("travel", backward_price=1.0), rng=rng)
     with pytest.raises(ValueError, match="rounds_per_contour"):
-        EntrySearchParameters(rounds_per_contour=-1)
+        SearchEffort(rounds_per_contour=-1)

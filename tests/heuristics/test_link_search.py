@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from cutgap.heuristics import entry_search, euler_bridging, link_search
+from cutgap.heuristics.effort import SearchEffort
 from cutgap.heuristics.link_rings import new_rings
-from cutgap.heuristics.link_search import LinkSearchParameters
 from cutgap.heuristics.link_sheet import chosen_nodes, plan_of_rings, rings_of, sheet_of
 from cutgap.instances import Contour, Head, Instance, Machine, Plan, Rules, Visit, check, evaluate
 from cutgap.instances.links.trajectory import trajectory
 from cutgap.instances.progress import Progress
 
-QUICK = LinkSearchParameters(rounds_per_contour=200)
+QUICK = SearchEffort(rounds_per_contour=200)
 ONE_STROKE = Rules("travel", links=True, pierces=1)
 FREE = Rules("makespan", links=True)
 
@@ -178,4 +178,4 @@ def test_many_entry_points_are_thinned_but_keep_what_is_wanted():
 @pytest.mark.parametrize("rounds", [-1, True, 2.0])
 def test_wrong_efforts_are_refused(rounds):
     with pytest.raises(ValueError, match="rounds_per_contour"):
-        LinkSearchParameters(rounds_per_contour=rounds)
+        SearchEffort(rounds_per_contour=rounds)
