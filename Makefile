@@ -6,10 +6,14 @@ SUITE ?= table1
 CHROMIUM := /usr/bin/chromium
 FOLDERS := benchmark formulations heuristics instances views
 
-.PHONY: gaps live test docs recorded typing-links clean
+.PHONY: gaps lessons live test docs recorded typing-links clean
 
 gaps: $(VENV)/installed
 	$(BIN)/cutgap gaps $(SUITE) --resume
+
+lessons: $(VENV)/lessons-installed
+	$(BIN)/python docs/lessons/notebooks.py
+	$(BIN)/jupyter lab docs/lessons
 
 live: $(VENV)/installed
 	$(BIN)/marimo run docs/live/two_heads.py
@@ -30,6 +34,10 @@ recorded: $(VENV)/installed
 
 $(VENV)/docs-installed: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	touch $@
+
+$(VENV)/lessons-installed: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --editable '.[lessons]'
 	touch $@
 
 # Runs again only when the dependencies change; the install is editable.

@@ -21,7 +21,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
 ]
-exclude_patterns = ["build"]
+exclude_patterns = ["build", "lessons/*.ipynb"]
 
 html_theme = "furo"
 html_title = "cutgap"
