@@ -107,7 +107,8 @@ def _edge(axes: Axes, ends: np.ndarray, value: float) -> None:
     axes.plot(ends[:, 0], ends[:, 1], color="black", linewidth=1.6, linestyle="-" if whole else (0, (4, 3)))
     if not whole:
         x, y = ends.mean(axis=0)
-        axes.text(x, y, f"{value:.2g}", fontsize=8, ha="center", va="center", backgroundcolor="white")
+        ground = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+        axes.text(x, y, f"{value:.2g}", fontsize=8, ha="center", va="center", bbox=ground)
 
 
 def _bound(value: float | None, proved: bool, certified: bool) -> str:
