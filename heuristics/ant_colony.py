@@ -251,7 +251,7 @@ def leg_sums(lengths: Floats, tours: Ints) -> Floats:
 
 
 def sheet_of(instance: Instance, rules: Rules) -> Sheet:
-    """Return what the ants read."""
+    """Return what the ants read, in copies: kernels are compiled anew for arrays that are read-only."""
     parts, home = part_of(instance), instance.home_node(0)
     count, places = int(parts.max()) + 1, int(instance.first_node[-1])
     before, outside = preceding(instance, parts, count)
@@ -262,8 +262,12 @@ def sheet_of(instance: Instance, rules: Rules) -> Sheet:
         parts=parts,
         before=before,
         outside=outside,
-        crossed=crossings(instance) if rules.clear_rapids else np.zeros((places, places, 0), dtype=np.uint64),
-        adjacent=adjacent_parts(instance) if rules.neighbours_only else np.ones((count, count), dtype=np.bool_),
+        crossed=np.array(crossings(instance))
+        if rules.clear_rapids
+        else np.zeros((places, places, 0), dtype=np.uint64),
+        adjacent=np.array(adjacent_parts(instance))
+        if rules.neighbours_only
+        else np.ones((count, count), dtype=np.bool_),
         in_one_go=rules.parts_in_one_go,
         start=instance.node_count if home is None else home,
     )

@@ -62,7 +62,10 @@ class Plate(NamedTuple):
 
 
 def plate_of(instance: Instance, rules: Rules) -> Plate:
-    """Return what the kernels read; raises ``ValueError`` without material or curves."""
+    """Return what the kernels read; raises ``ValueError`` without material or curves.
+
+    Kernels are compiled anew for arrays that are read-only, hence the copy.
+    """
     home, count = instance.home_node(0), len(instance.contours)
     places, words = int(instance.first_node[-1]), (count + WORD - 1) // WORD
     before: Words = np.zeros((count, words), dtype=np.uint64)
@@ -77,7 +80,9 @@ def plate_of(instance: Instance, rules: Rules) -> Plate:
         services=instance.service_times,
         cooling=curve_distances(instance) ** 2 / (4.0 * diffusivity(instance)),
         warmth=kernel_constant(instance),
-        crossed=crossings(instance) if rules.clear_rapids else np.zeros((places, places, 0), np.uint64),
+        crossed=np.array(crossings(instance))
+        if rules.clear_rapids
+        else np.zeros((places, places, 0), np.uint64),
         before=before,
     )
 

@@ -72,7 +72,8 @@ def plain_task(lengths: Floats, first: Ints) -> Task:
     first
         First node of each cluster, then the number of nodes; shape (clusters + 1,).
     """
-    costs, count = np.ascontiguousarray(lengths, dtype=np.float64), len(first) - 1
+    # Copied, since kernels are compiled anew for arrays that are read-only.
+    costs, count = np.array(lengths, dtype=np.float64, order="C"), len(first) - 1
     least = least_legs(costs, first)
     return Task(
         costs,

@@ -108,7 +108,7 @@ def crossings(instance: Instance) -> Words:
         When a contour has no geometry.
     """
     require_geometry(instance, "what rapids cross")
-    points = np.ascontiguousarray(instance.points[: int(instance.first_node[-1]), :2])
+    points = np.array(instance.points[: int(instance.first_node[-1]), :2], order="C")
     words = (len(instance.contours) + WORD - 1) // WORD
     table: Words = np.zeros((words, len(points), len(points)), dtype=np.uint64)
     for index, contour in enumerate(instance.contours):

@@ -34,7 +34,9 @@ def completions(
         crossed=None,
     )
     reverse = build_memory(back, memory.members)
-    before = backward_pass(back.costs, back.end, prices, back.first, back.closed, allowed[::-1])
+    before = backward_pass(
+        back.costs, back.end, prices, back.first, back.closed, np.ascontiguousarray(allowed[::-1])
+    )
     tables = (reverse.following, reverse.offset, reverse.crossed)
     value = forward_pass(back.costs, back.start, prices, back.first, *tables, before, limit)[::-1].copy()
     rows = 0

@@ -60,10 +60,14 @@ class ExactSearch:
         """Return the first point of each root, -1 for any, and the ways that end its tours."""
         back, limited = self.plate.back, np.isfinite(self.run.most_travel)
         if self.run.instance.heads[0].home is not None:
-            return [(-1, back[:, 0])]
+            return [(-1, np.ascontiguousarray(back[:, 0]))]
         if not self.run.by_travel and not limited:
             return [(-1, np.zeros(len(back)))]
-        return [(f, back[:, f]) for f in range(len(back)) if self.plate.before[self.plate.contour_of[f]] == 0]
+        return [
+            (f, np.ascontiguousarray(back[:, f]))
+            for f in range(len(back))
+            if self.plate.before[self.plate.contour_of[f]] == 0
+        ]
 
     def _tables(self) -> tuple[Bounds, float]:
         """Return the tables of the search, travel without cap, and a bound on the peak rise of any plan."""
