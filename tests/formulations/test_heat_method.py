@@ -238,6 +238,8 @@ def test_forbidden_runs_find_the_same_optimum(seed, monkeypatch):
     instance = tied_plate(np.random.default_rng(seed), 4, points=2, home=True)
     plans = hot_plans(instance)
     monkeypatch.setattr(method, "fits", lambda first: False)
+    # Whether there is a plan is asked; by how much the cap is too low is worked out afterwards, for seconds.
+    monkeypatch.setattr(method, "WHY_SECONDS", 0.0)
     for cap in caps_of(plans):
         assert_optimal(instance, replace(TRAVEL, temperature_cap=cap), least_travel(plans, cap))
     coolest = plans.least_peak().peak
