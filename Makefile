@@ -24,26 +24,24 @@ test: $(VENV)/installed typing-links $(CHROMIUM)
 	$(BIN)/mypy
 	$(BIN)/pytest -n auto
 
-# Executes every page; a warning, also of a link that leads nowhere, is an error.
-docs: $(VENV)/docs-installed
-	$(BIN)/sphinx-build -W --keep-going -q -b html docs build/docs
+# Executes every page, on all cores; a warning, also of a link that leads nowhere, is an error.
+docs: $(VENV)/installed
+	$(BIN)/sphinx-build -W --keep-going -q -j auto -b html docs build/docs
 
 # The runs behind the benchmark page.
 recorded: $(VENV)/installed
 	$(BIN)/python docs/recorded/record.py
 
-$(VENV)/docs-installed: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet --editable '.[docs]'
-	touch $@
-
 $(VENV)/lessons-installed: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet --editable '.[lessons]'
 	touch $@
 
-# Runs again only when the dependencies change; the install is editable.
+# Runs again only when the dependencies change; the install is editable. What is installed is compiled afterwards,
+# on all cores: pip takes one. Some packages hold files for other versions of Python, which do not compile.
 $(VENV)/installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[test,cluster,live]'
+	$(BIN)/python -m pip install --quiet --no-compile --editable '.[test,cluster,live,docs]'
+	$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib || true
 	touch $@
 
 # Pages are tested in a browser; Debian's, which needs no download of its own.
