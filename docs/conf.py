@@ -1,10 +1,15 @@
 """Sphinx configuration of the documentation; ``make docs`` builds it, and a warning is an error."""
 
 import re
+import sys
 from importlib.metadata import version as version_of
+from pathlib import Path
 from typing import Any
 
 from cutgap import formulations
+
+sys.path.insert(0, str(Path(__file__).parent))
+from modelling import with_models
 
 # Its names are loaded on first use, and autodoc only sees what is there.
 vars(formulations).update({name: getattr(formulations, name) for name in formulations.__all__})
@@ -64,6 +69,13 @@ def as_written(app: Any, what: str, name: str, obj: object, options: Any, lines:
         lines[:] = [BAR.sub(lambda bar: bar[0] if bar[0] != "|" else "\\|", line) for line in lines]
 
 
+def state_models(app: Any, docname: str, source: list[str]) -> None:
+    """Put the models of the code into the page that asks for them."""
+    if docname == "models":
+        source[0] = with_models(source[0])
+
+
 def setup(app: Any) -> None:
     """Called by Sphinx."""
+    app.connect("source-read", state_models)
     app.connect("autodoc-process-docstring", as_written)
