@@ -122,4 +122,10 @@ def _figure(value: float | None, digits: int, factor: float = 1.0) -> str:
 
 
 def _is_number(text: str) -> bool:
-    return text == "-" or text.lstrip("=<> ").replace(".", "", 1).replace("-", "", 1).isdigit()
+    if text == "-":
+        return True
+    try:
+        float(text.lstrip("=<> "))
+    except ValueError:
+        return False
+    return True
