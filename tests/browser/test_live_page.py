@@ -14,6 +14,8 @@ import pytest
 
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "live" / "two_heads.py"
 PHONE = {"width": 390, "height": 844}
+SLOW = 120_000
+"""Most ms that a busy machine may take to answer; how soon it does is not what is tested."""
 VALUE = re.compile(r"travel (\d+\.\d\d) mm")
 
 
@@ -38,7 +40,7 @@ def address():
 
 
 def _wait(url, server):
-    end = time.monotonic() + 30
+    end = time.monotonic() + SLOW / 1000
     while time.monotonic() < end and server.poll() is None:
         try:
             with urllib.request.urlopen(f"{url}/health", timeout=1):
@@ -56,7 +58,7 @@ def live_page(browser, address):
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page.goto(address)
-    page.get_by_text(VALUE).first.wait_for(timeout=60_000)
+    page.get_by_text(VALUE).first.wait_for(timeout=SLOW)
     yield page
     context.close()
     assert not errors
@@ -68,17 +70,17 @@ def value_of(page):
 
 def test_a_slider_moves_value_plan_and_ladder(live_page):
     before = value_of(live_page)
-    live_page.get_by_role("img", name="random-18-s1: plan of 18 holes for two heads").wait_for()
+    live_page.get_by_role("img", name="random-18-s1: plan of 18 holes for two heads").wait_for(timeout=SLOW)
     live_page.get_by_role("slider").first.press("ArrowRight")
-    live_page.get_by_role("img", name="random-19-s1: plan of 19 holes for two heads").wait_for(timeout=20_000)
+    live_page.get_by_role("img", name="random-19-s1: plan of 19 holes for two heads").wait_for(timeout=SLOW)
     assert value_of(live_page) != before
     ladder = live_page.get_by_role("img", name=re.compile("^bounds in mm: .*held-karp"))
-    ladder.wait_for(timeout=20_000)
+    ladder.wait_for(timeout=SLOW)
 
 
 def test_a_gap_that_no_plan_keeps_is_said_in_words(live_page):
     live_page.get_by_role("slider").nth(4).press("End")
-    live_page.get_by_text("No plan is allowed").wait_for(timeout=20_000)
+    live_page.get_by_text("No plan is allowed").wait_for(timeout=SLOW)
     assert live_page.get_by_text("Traceback").count() == 0
     width = live_page.evaluate("document.documentElement.scrollWidth")
     assert width <= 390
