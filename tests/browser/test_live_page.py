@@ -68,19 +68,24 @@ def value_of(page):
     return float(VALUE.search(page.get_by_text(VALUE).first.inner_text())[1])
 
 
+def wait_for_plan(page, holes):
+    name = f"random-{holes}-s1: plan of {holes} holes for two heads"
+    page.get_by_role("img", name=name).first.wait_for(timeout=SLOW)
+
+
 def test_a_slider_moves_value_plan_and_ladder(live_page):
     before = value_of(live_page)
-    live_page.get_by_role("img", name="random-18-s1: plan of 18 holes for two heads").wait_for(timeout=SLOW)
+    wait_for_plan(live_page, holes=18)
     live_page.get_by_role("slider").first.press("ArrowRight")
-    live_page.get_by_role("img", name="random-19-s1: plan of 19 holes for two heads").wait_for(timeout=SLOW)
+    wait_for_plan(live_page, holes=19)
     assert value_of(live_page) != before
     ladder = live_page.get_by_role("img", name=re.compile("^bounds in mm: .*held-karp"))
-    ladder.wait_for(timeout=SLOW)
+    ladder.first.wait_for(timeout=SLOW)
 
 
 def test_a_gap_that_no_plan_keeps_is_said_in_words(live_page):
     live_page.get_by_role("slider").nth(4).press("End")
-    live_page.get_by_text("No plan is allowed").wait_for(timeout=SLOW)
+    live_page.get_by_text("No plan is allowed").first.wait_for(timeout=SLOW)
     assert live_page.get_by_text("Traceback").count() == 0
     width = live_page.evaluate("document.documentElement.scrollWidth")
     assert width <= 390
