@@ -6,12 +6,13 @@
 With free entries a visit of the plan may be [id, entry, [x, y, z]]. With links the plan is an object: {"tours":
 as above, "links": [[id, entry, id, entry, passes], ...]}.
 
-The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan and
-1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed. Kinds of proofs: ``tour`` (one
-head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with precedence and process rules),
-``split`` (two heads without overlap), ``two-heads`` (any two heads with homes), ``compact`` (any problem, by
-multipliers of the rows of a compact model); with free entries ``regions`` and ``perspective`` (one head); with
-links ``links`` (one head).
+The claim: every allowed plan is worth at least B, in units of 1 / (scale * v_jump) s for the makespan, of 1 /
+scale deg C for the peak, and of 1 / scale mm for travel and weighted; ``null`` claims that no plan is allowed.
+Kinds of proofs: ``tour`` (one head), ``gtsp`` (one head, several entry points), ``contour-dp`` (likewise, with
+precedence and process rules), ``heat`` (likewise, with a cap on temperatures or for the peak), ``split`` (two
+heads without overlap), ``two-heads`` (any two heads with homes), ``compact`` (any problem, by multipliers of
+the rows of a compact model); with free entries ``regions`` and ``perspective`` (one head); with links ``links``
+(one head).
 """
 
 from dataclasses import dataclass
@@ -22,12 +23,13 @@ from typing import Any
 from cutgap.formulations.certificate.compact import check_compact
 from cutgap.formulations.certificate.contour_dp import check_contours
 from cutgap.formulations.certificate.generalized import GeneralizedRelaxation
+from cutgap.formulations.certificate.heat import check_heat
 from cutgap.formulations.certificate.link_plan import linked_plan_value
 from cutgap.formulations.certificate.links import check_links
 from cutgap.formulations.certificate.perspective import perspective_length
 from cutgap.formulations.certificate.plan import plan_value
 from cutgap.formulations.certificate.problem import Problem, problem_of
-from cutgap.formulations.certificate.proof import Budget, check_tree
+from cutgap.formulations.certificate.proof import MAX_STEPS, Budget, check_tree
 from cutgap.formulations.certificate.reading import (
     Refused,
     decimal,
@@ -46,6 +48,8 @@ from cutgap.formulations.certificate.two_heads import TwoHeadsRelaxation
 
 FREE_ENTRIES = ("regions", "perspective")
 """Kinds of proofs for contours that may be entered anywhere in their regions."""
+WHOLE = {"links": check_links, "compact": check_compact, "heat": check_heat}
+"""Kinds that take claim and proof as they are."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,7 @@ def verify(
     certificate: str | dict[str, Any],
     instance_document: str | dict[str, Any],
     rules: dict[str, Any] | None = None,
+    steps: int = MAX_STEPS,
 ) -> Verdict:
     """Check a certificate against an instance document, from first principles.
 
@@ -101,6 +106,8 @@ def verify(
         JSON texts or documents.
     rules
         The rules that the certificate must be about; ``None`` takes those it states.
+    steps
+        Elementary steps after which a proof is refused as too long.
 
     Raises
     ------
@@ -119,8 +126,8 @@ def verify(
     require(rules is None or rules_of(rules, problem) == stated, "rules: the certificate is about other rules")
     scale = integer(table["scale"], "scale", least=1)
     bound = None if table["bound"] is None else integer(table["bound"], "bound")
-    _check_proof(problem, stated, table, scale, bound)
-    unit = "s" if stated.objective == "makespan" else "mm"
+    _check_proof(problem, stated, table, scale, bound, Budget(steps))
+    unit = {"makespan": "s", "peak": "deg C"}.get(stated.objective, "mm")
     divisor = scale * problem.v_jump if unit == "s" else Fraction(scale)
     proved = None if bound is None else bound / divisor
     valued = linked_plan_value if stated.links else plan_value
@@ -131,12 +138,14 @@ def verify(
     return Verdict(stated, proved, value, unit)
 
 
-def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: int, bound: int | None) -> None:
+def _check_proof(
+    problem: Problem, rules: Rules, table: dict[str, Any], scale: int, bound: int | None, budget: Budget
+) -> None:
     """Refuse unless the proof shows the claim."""
     multiplier_scale = integer(table["multiplier_scale"], "multiplier_scale", least=1)
-    proof, budget = table["proof"], Budget()
+    proof = table["proof"]
     require(isinstance(proof, dict), "proof: expected an object")
-    linked = _require_kind(problem, rules, proof.get("kind"))
+    _require_kind(problem, rules, proof.get("kind"))
     if proof.get("kind") == "gtsp":
         _check_generalized(problem, rules, proof, (scale, multiplier_scale), bound, budget)
     elif proof.get("kind") == "tour":
@@ -168,16 +177,14 @@ def _check_proof(problem: Problem, rules: Rules, table: dict[str, Any], scale: i
         work = sum((problem.work(contour, scale) for contour in range(len(problem.ids))), Fraction(0))
         worth = (bound or 0) - (floor(work) if rules.objective == "makespan" else 0)
         check_contours(problem, rules, proof, worth, scale, budget)
-    elif linked:
-        check_links(problem, rules, proof, (scale, multiplier_scale), bound, budget)
-    elif proof.get("kind") == "compact":
-        check_compact(problem, rules, proof, (scale, multiplier_scale), bound, budget)
+    elif isinstance(proof.get("kind"), str) and proof["kind"] in WHOLE:
+        WHOLE[proof["kind"]](problem, rules, proof, (scale, multiplier_scale), bound, budget)
     else:
         raise Refused(f"proof: no kind {show(proof.get('kind'))}")
 
 
-def _require_kind(problem: Problem, rules: Rules, kind: Any) -> bool:
-    """Refuse kinds that say nothing about rules that allow more plans; return whether they allow links."""
+def _require_kind(problem: Problem, rules: Rules, kind: Any) -> None:
+    """Refuse kinds that say nothing about the objective, or about rules that allow more plans."""
     # What holds for given entry points says nothing about a plan that chooses its own.
     free = kind in FREE_ENTRIES
     asked = "free" if rules.free_entries else "given"
@@ -185,9 +192,9 @@ def _require_kind(problem: Problem, rules: Rules, kind: Any) -> bool:
     linked = kind == "links"
     asked = "with" if rules.links else "without"
     require(rules.links == linked, f"proof: {show(kind)} is no kind for rules {asked} links")
+    require(rules.objective != "peak" or kind == "heat", f"proof: {show(kind)} is no kind for peaks")
     if kind in ("tour", "split", "two-heads"):
         problem.require_plain(kind)
-    return linked
 
 
 def _length_of(problem: Problem, rules: Rules, scale: int, bound: int) -> Fraction:

@@ -39,6 +39,11 @@ def _pi() -> Fraction:
     return 16 * arctan(5) - 4 * arctan(239)
 
 
+def greatest_pi() -> Fraction:
+    """Return a fraction above pi, by less than 2 / UNIT."""
+    return _pi() + Fraction(1, UNIT)
+
+
 @cache
 def cosine(steps: int, count: int) -> tuple[int, int]:
     """Return integers around UNIT * cos(2 pi steps / count), at most five apart."""

@@ -42,7 +42,7 @@ class Material:
         margin = 2 * self.depth
         odd = False
         for edges in self._near(point, point, margin):
-            if any(_square(point, edge) <= margin * margin for edge in edges):
+            if any(square_to_edge(point, edge) <= margin * margin for edge in edges):
                 return False
             odd ^= inside(point, edges)
         return odd
@@ -68,9 +68,9 @@ class Material:
             return True
         ends = _along(a, b, low), _along(a, b, high)
         limit, edges = self.depth * self.depth, [edge for each in near for edge in each]
-        if any(all(_square(end, edge) <= limit for end in ends) for edge in edges):
+        if any(all(square_to_edge(end, edge) <= limit for end in ends) for edge in edges):
             return True
-        if halvings == 0 or all(_square(point, edge) > limit for edge in edges):
+        if halvings == 0 or all(square_to_edge(point, edge) > limit for edge in edges):
             return False
         parts = (low, middle), (middle, high)
         return all(self._is_clear(a, b, part, near, halvings - 1) for part in parts)
@@ -97,7 +97,7 @@ def _along(a: Place, b: Place, share: Fraction) -> Place:
     return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
 
 
-def _square(point: Place, edge: Edge) -> Fraction:
+def square_to_edge(point: Place, edge: Edge) -> Fraction:
     """Return the square of the distance of a point from a segment."""
     (ax, ay), (bx, by) = edge
     dx, dy = bx - ax, by - ay

@@ -30,6 +30,7 @@ from cutgap.formulations.certificate.reading import (
     show,
     text_of,
 )
+from cutgap.formulations.certificate.sheet import Sheet, sheet_of
 
 MAX_NODES = 10_000
 
@@ -67,6 +68,8 @@ class Problem:
         a unit of their own.
     contours
         The fields of each contour as the file has them.
+    material
+        ``None`` without temperatures.
     """
 
     digest: str
@@ -87,6 +90,7 @@ class Problem:
     plane: tuple[Spot, ...]
     curves: tuple[tuple[Spot, ...], ...]
     contours: tuple[ContourFields, ...]
+    material: Sheet | None
 
     def lengths(self, node: int, others: list[int], scale: int) -> list[int]:
         """Return (1) from one node to others."""
@@ -202,10 +206,11 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
     denominator = lcm(*{value.denominator for row in rows for value in row})
     places = tuple(tuple(int(value * denominator) for value in row) for row in rows)
     plane, curves = _plane(contours)
+    material = sheet_of(table.get("material"))
     has_home = [home is not None for _, home in heads]
     homes = [count + sum(has_home[:head]) if has_home[head] else None for head in range(len(heads))]
     return Problem(
-        digest=_digest([speeds, metric, heads, contours, precedence, matrix, located]),
+        digest=_digest([speeds, metric, heads, contours, precedence, matrix, located, *(material or ())]),
         ids=tuple(names),
         homes=tuple(homes),
         entries=_entries([len(contour[1]) for contour in contours]),
@@ -223,6 +228,7 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
         plane=plane,
         curves=curves,
         contours=tuple(contours),
+        material=material,
     )
 
 

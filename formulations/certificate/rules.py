@@ -63,16 +63,20 @@ def rules_of(value: Any, problem: Problem) -> Rules:
         pierces=None if pierces is None else integer(pierces, "rules.pierces", least=1),
         **limits,
     )
-    require(rules.objective in ("makespan", "travel", "weighted"), "rules.objective: not known")
+    known = ("makespan", "travel", "weighted", "peak")
+    require(rules.objective in known, "rules.objective: not known")
     require(
         rules.weight == 0 or rules.objective == "weighted", "rules.weight: goes with the objective weighted"
     )
     require(rules.links or pierces is None, "rules.pierces: goes with links")
     _require_links_alone(rules)
     priced = rules.backward_price > 0
-    require(not priced or rules.objective != "makespan", "rules.backward_price: not of the objective makespan")
+    unpriced = rules.objective not in ("makespan", "peak")
+    require(not priced or unpriced, f"rules.backward_price: not of the objective {rules.objective}")
     apart = rules.non_overlap is not None and len(problem.homes) > 1
     speaks_of_x = rules.via_points or apart or priced
+    heated = rules.objective == "peak" or rules.temperature_cap is not None
+    require(problem.material is not None or not heated, "rules: they speak of heat, and there is no material")
     require(problem.located or not speaks_of_x, "rules: they speak of x, and the points carry no coordinates")
     return rules
 

@@ -84,8 +84,8 @@ def walks_from(problem: Problem, rules: Rules, beginning: Visit | None, scale: i
         steps=[[[[legs[v][w] for v in a] for w in b] for b in nodes] for a in nodes],
         start=[first_costs(problem, rules, base, each, scale, beginning is not None) for each in nodes],
         end=[[problem.lengths(v, [base], scale)[0] for v in each] for each in nodes],
-        before=_before(problem, contours),
-        mates=_mates(problem, rules, contours),
+        before=preceding(problem, contours),
+        mates=mates_of(problem, rules, contours),
         openers=_openers(problem, rules, contours, begun),
     )
 
@@ -115,7 +115,7 @@ def length_unit(problem: Problem, rules: Rules, scale: int) -> int:
     return max(1, unit // problem.denominator) if unit % problem.denominator == 0 else 1
 
 
-def _before(problem: Problem, contours: list[int]) -> list[int]:
+def preceding(problem: Problem, contours: list[int]) -> list[int]:
     """Return what precedes each contour, by the pairs and what follows from them, without what is cut."""
     numbers = {contour: number for number, contour in enumerate(contours)}
     before = [0] * len(problem.ids)
@@ -135,7 +135,8 @@ def _openers(problem: Problem, rules: Rules, contours: list[int], begun: int) ->
     return sum(1 << a for a, c in enumerate(contours) if problem.parts[c] == part) or everything
 
 
-def _mates(problem: Problem, rules: Rules, contours: list[int]) -> list[int]:
+def mates_of(problem: Problem, rules: Rules, contours: list[int]) -> list[int]:
+    """Return the ``mates`` of walks over contours."""
     if not rules.parts_in_one_go:
         return [0] * len(contours)
     parts = [problem.parts[contour] for contour in contours]

@@ -9,6 +9,7 @@ from certificate import (  # noqa: F401, they enter their checks
     battery_compact,
     battery_contours,
     battery_generalized,
+    battery_heat,
     battery_links,
     battery_perspective,
     battery_positive,

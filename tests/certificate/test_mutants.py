@@ -13,6 +13,7 @@ from certificate import (  # noqa: F401, they enter their checks
     battery_compact,
     battery_contours,
     battery_generalized,
+    battery_heat,
     battery_links,
     battery_perspective,
     battery_positive,
@@ -26,13 +27,14 @@ from certificate.battery import CHECKS
 from certificate.mutants import MUTANTS as PLAIN
 from certificate.mutants_compact import COMPACT
 from certificate.mutants_generalized import GENERALIZED
+from certificate.mutants_heat import HEAT
 from certificate.mutants_links import LINKS
 from certificate.mutants_perspective import PERSPECTIVE
 from certificate.mutants_positive import POSITIVE
 from certificate.mutants_regions import REGIONS
 from cutgap.formulations import certificate
 
-MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED, *LINKS, *PERSPECTIVE, *POSITIVE, *REGIONS]
+MUTANTS = [*PLAIN, *COMPACT, *GENERALIZED, *HEAT, *LINKS, *PERSPECTIVE, *POSITIVE, *REGIONS]
 SOURCE = Path(certificate.__file__).parent
 
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 import cvxpy as cp
 import numpy as np
 import pytest
-from heat_plates import STEEL, few_starts, tied_plate
 from oracles.heat import hot_plans
 from oracles.heat_cells import CellPeaks
+from oracles.heat_plates import STEEL, few_starts, tied_plate
 from oracles.random_plates import random_plate
 
 from cutgap.formulations import ladder, verify

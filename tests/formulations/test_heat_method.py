@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from heat_plates import STEEL, few_starts, tied_plate
 from oracles.heat import hot_plans
+from oracles.heat_plates import STEEL, few_starts, tied_plate
 from oracles.random_plates import random_plate
 
 from cutgap.formulations.certificate import verify

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from heat_plates import tied_plate
+from oracles.heat_plates import tied_plate
 
 from cutgap.formulations.heat.plates import plan_of, plate_of
 from cutgap.formulations.heat.runs import least_rise_at, overheats, rise_from, widened

@@ -4,7 +4,7 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
-from heat_plates import tied_plate
+from oracles.heat_plates import tied_plate
 
 from cutgap.formulations.heat.plates import plate_of
 from cutgap.formulations.heat.tables import no_warmth, rooms, travel_table, warm_of, warm_table
