@@ -15,6 +15,7 @@ from cutgap.formulations.branch_and_cut.engine import Node, Outcome
 from cutgap.formulations.branch_and_cut.model import Fixing, Proof
 from cutgap.formulations.branch_and_cut.separation import Cut
 from cutgap.formulations.certificate import Refused, instance_hash, verify
+from cutgap.formulations.certificate.proof import MAX_STEPS
 from cutgap.formulations.sides import Side
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.formats.json_format import format_instance
@@ -47,6 +48,7 @@ def certificate_of(
     claim: Callable[[float], tuple[int | None, dict[str, Any]]],
     scale: int = SCALE,
     margins: Sequence[float] = MARGINS_MM,
+    steps: int = MAX_STEPS,
 ) -> Certificate | None:
     """Return a verified certificate, or ``None`` when none of the margins holds.
 
@@ -54,6 +56,8 @@ def certificate_of(
     ----------
     claim
         Takes a margin in mm and returns the integer bound and the proof.
+    steps
+        Most elementary steps of a verification.
     """
     document = format_instance(instance)
     visits: Any = None
@@ -77,7 +81,7 @@ def certificate_of(
             "proof": proof,
         }
         try:
-            verify(certificate, document)
+            verify(certificate, document, steps=steps)
         except Refused:
             continue
         return certificate
@@ -87,7 +91,7 @@ def certificate_of(
 def proved_bound(certificate: Certificate, instance: Instance) -> float | None:
     """Return the bound that a certificate claims, in the objective's unit; ``None``: no plan is allowed.
 
-    It may be less than the bound of the result that carries it: caps of temperature are in no certificate.
+    It may be less than the bound of the result that carries it: few kinds of proofs take account of a cap.
     """
     if certificate["bound"] is None:
         return None

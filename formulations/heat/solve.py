@@ -1,8 +1,9 @@
 """The method ``heat``: order and start points of one head under the temperature model, with proven bounds.
 
 Small plates (``exact.fits``) are closed by branch and bound. On larger ones the cap is enforced by forbidden
-runs of visits (``runs``), and the peak is bounded by ``pairwise``. The bound on travel without heat, which the
-certificate proves when one is asked for, holds for every cap: a cap only forbids plans.
+runs of visits (``runs``), and the peak is bounded by ``pairwise``. On small plates a certificate proves the
+bound, by the checker's own search; on larger ones that on travel without heat, which holds for every cap: a cap
+only forbids plans.
 """
 
 import time
@@ -16,6 +17,7 @@ from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import ContourSearch
 from cutgap.formulations.heat.exact import ExactSearch, fits
 from cutgap.formulations.heat.lazy import LazySearch, plain_search
+from cutgap.formulations.heat.proof import heat_certificate
 from cutgap.formulations.heat.run import Run
 from cutgap.instances import Instance, Plan, Result, Rules, Status, check, conclude, evaluate
 from cutgap.instances.arrays import Ints
@@ -52,8 +54,8 @@ def solve_heat(
     start
         A plan to start from; one that breaks rules is ignored.
     certify
-        Whether to add a verified certificate of the bound on travel without heat. Where it proves less than
-        the result's bound, the reason says what it proves.
+        Whether to add a verified certificate. Where it proves less than the result's bound, which is the bound
+        on travel without heat, the reason says what it proves. None speaks of ``most_travel``.
     most_travel, backward_price
         A limit on travel besides the rules, mm, and the price of going back that counts in it.
 
@@ -76,9 +78,9 @@ def solve_heat(
         # What the run holds is the result.
         pass
     result = solving.result()
-    if not certify or not run.by_travel or result.status is Status.INFEASIBLE:
+    if not certify or np.isfinite(most_travel):
         return result
-    return _with_certificate(result, run, _certificate(run, solving.plain))
+    return _with_certificate(result, run, _certificate(result, run, solving.plain))
 
 
 class _Solving:
@@ -171,7 +173,21 @@ def _with_certificate(result: Result, run: Run, certificate: Certificate | None)
     )
 
 
-def _certificate(run: Run, plain: ContourSearch | None) -> Certificate | None:
+def _certificate(result: Result, run: Run, plain: ContourSearch | None) -> Certificate | None:
+    """Return the certificate of the result's bound, or else of that on travel without heat."""
+    infeasible = result.status is Status.INFEASIBLE
+    if infeasible or not run.by_travel:
+        proved = infeasible or result.lower_bound is not None
+        return heat_certificate(run.instance, run.rules, result.lower_bound) if proved else None
+    cold = _cold_certificate(run, plain)
+    if run.rules.temperature_cap is None or result.lower_bound is None:
+        return cold
+    if cold is not None and proves(proved_bound(cold, run.instance), result.lower_bound):
+        return cold
+    return heat_certificate(run.instance, run.rules, result.lower_bound) or cold
+
+
+def _cold_certificate(run: Run, plain: ContourSearch | None) -> Certificate | None:
     """Return the certificate of the bound on travel without heat, which holds under every cap."""
     if len(run.instance.contours) == 1 and run.instance.heads[0].home is None:
         return contour_certificate(run.instance, run.rules, None, 0.0, 0.0, [])

@@ -10,7 +10,7 @@ from oracles.random_plates import random_plate
 
 from cutgap.formulations.certificate import verify
 from cutgap.formulations.front_door import solve
-from cutgap.formulations.heat import exact, lazy
+from cutgap.formulations.heat import exact, lazy, proof
 from cutgap.formulations.heat import solve as method
 from cutgap.formulations.heat.front import heat_front
 from cutgap.formulations.heat.pairwise import pairwise_bound
@@ -294,25 +294,48 @@ def test_nothing_to_cut_is_as_warm_as_its_surroundings():
     assert cold.status is Status.INFEASIBLE
 
 
-def test_a_certificate_of_travel_holds_under_a_cap():
-    instance = few_starts(5, 3, seed=4)
-    rules = replace(TRAVEL, temperature_cap=solve_heat(instance, PEAK).value)
-    result = solve_heat(instance, rules, certify=True)
-    verified = verify(result.certificate, format_instance(instance))
-    assert result.certificate["plan"] is None
-    free = solve_heat(instance, TRAVEL).value
-    assert float(verified.bound) == pytest.approx(free, abs=1e-3)
-    assert float(verified.bound) <= result.value
-    assert result.value > free + 1.0
-    assert f"proves {free:.3f} mm, the bound without heat" in result.reason
-
-
-def test_a_certificate_of_a_makespan_says_seconds():
+@pytest.fixture
+def capped():
+    """Return a plate whose shortest plan is too hot, and the cap."""
     instance = few_starts(5, 3, seed=4)
     cap = solve_heat(instance, PEAK).value
-    free = solve_heat(instance, Rules(objective="makespan")).value
-    result = solve_heat(instance, Rules(objective="makespan", temperature_cap=cap), certify=True)
-    assert f"proves {free:.3f} s, the bound without heat" in result.reason
+    assert (
+        solve_heat(instance, replace(TRAVEL, temperature_cap=cap)).value
+        > solve_heat(instance, TRAVEL).value + 1
+    )
+    return instance, cap
+
+
+@pytest.mark.parametrize("objective", ["travel", "makespan", "peak"])
+def test_certificates_prove_bounds_under_heat(capped, objective):
+    instance, cap = capped
+    rules = Rules(objective=objective, temperature_cap=None if objective == "peak" else cap)
+    result = solve_heat(instance, rules, certify=True)
+    verified = verify(result.certificate, format_instance(instance))
+    assert float(verified.bound) == pytest.approx(result.value, abs=1e-6)
+    assert verified.unit == rules.unit
+    assert (result.status, result.reason, result.certificate["plan"]) == (Status.OPTIMAL, None, None)
+
+
+def test_a_certificate_says_that_no_plan_is_so_cool(capped):
+    instance, cap = capped
+    for objective in ("travel", "peak"):
+        rules = Rules(objective=objective, temperature_cap=cap - 0.001)
+        result = solve_heat(instance, rules, certify=True)
+        assert result.status is Status.INFEASIBLE
+        assert verify(result.certificate, format_instance(instance)).bound is None
+
+
+@pytest.mark.parametrize(("objective", "unit"), [("travel", "mm"), ("makespan", "s")])
+def test_where_a_proof_is_too_long_the_bound_without_heat_is_certified(capped, objective, unit, monkeypatch):
+    monkeypatch.setattr(proof, "MOST_STEPS", 100)
+    instance, cap = capped
+    free = solve_heat(instance, Rules(objective=objective)).value
+    result = solve_heat(instance, Rules(objective=objective, temperature_cap=cap), certify=True)
+    verified = verify(result.certificate, format_instance(instance))
+    assert float(verified.bound) == pytest.approx(free, abs=1e-3)
+    assert f"proves {free:.3f} {unit}, the bound without heat" in result.reason
+    assert solve_heat(instance, PEAK, certify=True).certificate is None
 
 
 def test_a_certificate_that_proves_the_bound_needs_no_words():

@@ -1,0 +1,30 @@
+"""Certificates of bounds under heat: the claim alone, since the checker searches the plate itself."""
+
+from math import floor
+from typing import Any
+
+from cutgap.formulations.certify import MULTIPLIERS_UNUSED, SCALE, Certificate, certificate_of
+from cutgap.instances import Instance, Rules
+
+MARGINS = (5e-7,)
+"""How far below the bound the claim lies, mm or K: more than the checker's rounding adds up to."""
+
+MOST_STEPS = 500_000_000
+"""Elementary steps of the checker, half a minute, beyond which there is no certificate."""
+
+
+def heat_certificate(instance: Instance, rules: Rules, bound: float | None) -> Certificate | None:
+    """Return a verified certificate that no plan is worth less than ``bound``; ``None`` if it takes too long.
+
+    Parameters
+    ----------
+    bound
+        In the unit of the objective; ``None`` claims that no plan is within the cap.
+    """
+    unit = instance.machine.v_jump if rules.objective == "makespan" else 1.0
+
+    def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
+        claimed = None if bound is None else floor((bound * unit - margin) * SCALE)
+        return claimed, {"kind": "heat"}
+
+    return certificate_of(instance, rules, None, MULTIPLIERS_UNUSED, claim, margins=MARGINS, steps=MOST_STEPS)
