@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from cutgap.benchmark.fronts import heuristic_front, require_heuristic
+from cutgap.formulations.certify import proved_bound, proves
 from cutgap.formulations.heat.exact import fits
 from cutgap.formulations.heat.front import heat_front
 from cutgap.formulations.pareto import pareto_front
@@ -104,7 +105,7 @@ def pareto(
         require_heuristic(name)
     asked = rules.rules()
     if chosen == "peak":
-        results = _peak_front(instance, asked, points, time_limit)
+        results = _peak_front(instance, asked, points, time_limit, certificates is not None)
         others = [each for name in names for each in heuristic_front(name, instance, asked, seed, time_limit)]
     else:
         results, others = _imbalance_front(instance, asked, limits, points, time_limit), []
@@ -112,7 +113,7 @@ def pareto(
         _write_certificates(certificates, results)
     if plot is not None:
         _draw(instance, chosen, results, others, plot)
-    rows = [_row(result, chosen) for result in [*results, *others]]
+    rows = [_row(instance, result, chosen) for result in [*results, *others]]
     if json:
         print(json_library.dumps(rows, indent=2, allow_nan=False))
     else:
@@ -139,12 +140,12 @@ def _imbalance_front(
     return results
 
 
-def _peak_front(instance: Instance, asked: Rules, points: int, time_limit: float | None) -> list[Result]:
+def _peak_front(
+    instance: Instance, asked: Rules, points: int, time_limit: float | None, certify: bool
+) -> list[Result]:
+    free = replace(asked, weight=0.0)
     with watch_run(f"{instance.name}, pareto", "mm") as watch:
-        found = heat_front(
-            instance, replace(asked, weight=0.0), points=points, time_limit=time_limit, watch=watch
-        )
-    return found
+        return heat_front(instance, free, points=points, time_limit=time_limit, certify=certify, watch=watch)
 
 
 def _write_certificates(folder: Path, results: Sequence[Result]) -> None:
@@ -164,7 +165,7 @@ def _limit(text: str) -> float:
         raise ValueError(f"--limits: expected numbers in s with commas between, got {text!r}") from error
 
 
-def _row(result: Result, against: Against) -> dict[str, object]:
+def _row(instance: Instance, result: Result, against: Against) -> dict[str, object]:
     evaluation = result.evaluation
     figures: dict[str, object] = {
         "status": str(result.status),
@@ -180,9 +181,15 @@ def _row(result: Result, against: Against) -> dict[str, object]:
         figures["makespan_s"] = None if evaluation is None else evaluation.makespan_s
     return figures | {
         "lower_bound_mm": result.lower_bound,
-        "certified": result.certificate is not None,
+        "certified": _is_certified(instance, result),
         "seconds": result.seconds,
     }
+
+
+def _is_certified(instance: Instance, result: Result) -> bool:
+    """Whether the certificate proves the bound, and not less."""
+    proof = result.certificate
+    return proof is not None and proves(proved_bound(proof, instance), result.lower_bound)
 
 
 def _print(instance: Instance, rows: Sequence[dict[str, object]], against: Against) -> None:

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from cutgap.formulations.heat.exact import fits
+from cutgap.formulations.heat.proof import heat_certificate
 from cutgap.formulations.heat.solve import NAME, solve_heat
 from cutgap.instances import Instance, Result, Rules, Status, conclude
 from cutgap.instances.check import TOLERANCE
@@ -31,6 +32,7 @@ def heat_front(
     *,
     points: int = POINTS,
     time_limit: float | None = None,
+    certify: bool = False,
     watch: Watch = nobody,
 ) -> list[Result]:
     """Return points of the front, shortest travel first, each for the rules with its peak as the cap.
@@ -45,6 +47,8 @@ def heat_front(
         How many points a larger plate gets.
     time_limit
         Seconds for all points. The exact front ends where they do, its last point unproved or without a plan.
+    certify
+        Whether to add verified certificates: no plan within a point's peak travels less than its bound.
 
     Raises
     ------
@@ -54,15 +58,17 @@ def heat_front(
     free = replace(rules, objective="travel", weight=0.0)
     deadline = np.inf if time_limit is None else time.perf_counter() + time_limit
     if fits(instance.first_node):
-        return _exact_front(instance, free, deadline, watch)
-    return _sampled_front(instance, free, points, deadline, watch)
+        return _exact_front(instance, free, deadline, certify, watch)
+    return _sampled_front(instance, free, points, deadline, certify, watch)
 
 
 def _left(deadline: float, share: float = 1.0) -> float | None:
     return None if np.isinf(deadline) else max(0.0, share * (deadline - time.perf_counter()))
 
 
-def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch) -> list[Result]:
+def _exact_front(
+    instance: Instance, rules: Rules, deadline: float, certify: bool, watch: Watch
+) -> list[Result]:
     front: list[Result] = []
     asked, ambient = rules, require_heat(instance).ambient_c
     while True:
@@ -84,17 +90,20 @@ def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch
             return [*front, shortest]
         # Where all of these peaks are infinite there is no bound, but a complete search gives no reason.
         proved = shortest.status is Status.OPTIMAL and coolest.reason is None
-        front.append(
-            conclude(
-                instance,
-                replace(rules, temperature_cap=peak) if np.isfinite(peak) else rules,
-                coolest.plan,
-                method=NAME,
-                seconds=shortest.seconds + coolest.seconds,
-                lower_bound=shortest.lower_bound,
-                reason=None if proved else "stopped early",
-            )
+        kept = replace(rules, temperature_cap=peak) if np.isfinite(peak) else rules
+        point = conclude(
+            instance,
+            kept,
+            coolest.plan,
+            method=NAME,
+            seconds=shortest.seconds + coolest.seconds,
+            lower_bound=shortest.lower_bound,
+            reason=None if proved else "stopped early",
         )
+        if certify and point.lower_bound is not None:
+            proof = heat_certificate(instance, kept, point.lower_bound, _left(deadline))
+            point = replace(point, certificate=proof)
+        front.append(point)
         if not proved:
             return front
         cap = peak - 3.0 * TOLERANCE * max(1.0, peak - ambient) if np.isfinite(peak) else ENDLESS
@@ -102,9 +111,10 @@ def _exact_front(instance: Instance, rules: Rules, deadline: float, watch: Watch
 
 
 def _sampled_front(
-    instance: Instance, rules: Rules, points: int, deadline: float, watch: Watch
+    instance: Instance, rules: Rules, points: int, deadline: float, certify: bool, watch: Watch
 ) -> list[Result]:
-    first = solve_heat(instance, rules, time_limit=_left(deadline, 1.0 / (points + 1)), watch=watch)
+    left = _left(deadline, 1.0 / (points + 1))
+    first = solve_heat(instance, rules, time_limit=left, certify=certify, watch=watch)
     if first.evaluation is None or first.evaluation.peak_temperature_c is None or points < 2:
         return [first]
     cool = replace(rules, objective="peak", backward_price=0.0)
@@ -120,7 +130,7 @@ def _sampled_front(
         asked = replace(rules, temperature_cap=cap)
         left = _left(deadline, 1.0 / (len(caps) - turn))
         # A plan within a tighter cap is within this one too.
-        result = solve_heat(instance, asked, time_limit=left, start=start, watch=watch)
+        result = solve_heat(instance, asked, time_limit=left, start=start, certify=certify, watch=watch)
         start = result.plan or start
         front.append(result)
     return [first, *reversed(front)]

@@ -78,6 +78,11 @@ class Run:
         return time.perf_counter() - self.begun
 
     @property
+    def left(self) -> float | None:
+        """Seconds until the time has run out; ``None`` without a limit."""
+        return None if np.isinf(self.deadline) else float(self.deadline - time.perf_counter())
+
+    @property
     def is_over(self) -> bool:
         """Whether the time has run out."""
         return time.perf_counter() >= self.deadline

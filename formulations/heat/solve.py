@@ -178,13 +178,13 @@ def _certificate(result: Result, run: Run, plain: ContourSearch | None) -> Certi
     infeasible = result.status is Status.INFEASIBLE
     if infeasible or not run.by_travel:
         proved = infeasible or result.lower_bound is not None
-        return heat_certificate(run.instance, run.rules, result.lower_bound) if proved else None
+        return heat_certificate(run.instance, run.rules, result.lower_bound, run.left) if proved else None
     cold = _cold_certificate(run, plain)
     if run.rules.temperature_cap is None or result.lower_bound is None:
         return cold
     if cold is not None and proves(proved_bound(cold, run.instance), result.lower_bound):
         return cold
-    return heat_certificate(run.instance, run.rules, result.lower_bound) or cold
+    return heat_certificate(run.instance, run.rules, result.lower_bound, run.left) or cold
 
 
 def _cold_certificate(run: Run, plain: ContourSearch | None) -> Certificate | None:
@@ -192,8 +192,7 @@ def _cold_certificate(run: Run, plain: ContourSearch | None) -> Certificate | No
     if len(run.instance.contours) == 1 and run.instance.heads[0].home is None:
         return contour_certificate(run.instance, run.rules, None, 0.0, 0.0, [])
     if plain is None:
-        left = run.deadline - time.perf_counter()
-        plain = plain_search(run, max(1.0, left) if np.isfinite(left) else None)
+        plain = plain_search(run, None if run.left is None else max(1.0, run.left))
         plain.run()
     if not np.isfinite(plain.bound):
         return None

@@ -2,11 +2,13 @@
 
 import json
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
 
+from cutgap.formulations.heat import exact
 from cutgap.instances import Plan, Rules, conclude, evaluate
 from cutgap.instances.formats import write_instance, write_plan
 from cutgap.instances.generate import generate
@@ -171,6 +173,21 @@ def test_pareto_shows_the_exact_front_and_the_plans_of_heuristics(files, tmp_pat
         assert cooler
         assert row["travel_mm"] >= min(cooler) - 1e-6
     assert picture.read_text().startswith("<?xml")
+
+
+def test_pareto_proves_each_point(files, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(exact, "FIRST_SECONDS", 0.0)
+    folder = tmp_path / "proofs"
+    write_instance(generate("dense-plate", holes=4, seed=4), files[0])
+    assert main(["pareto", files[0], "--certificates", str(folder), "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert len(list(folder.iterdir())) == len(rows) > 1
+    assert all(row["certified"] for row in rows)
+    for number, row in enumerate(rows):
+        assert main(["verify", str(folder / f"point-{number}.json"), files[0], "--json"]) == 0
+        assert float(Fraction(json.loads(capsys.readouterr().out)["lower_bound"])) == pytest.approx(
+            row["travel_mm"]
+        )
 
 
 def test_pareto_of_a_plate_may_still_be_against_imbalance_and_says_what_does_not_fit(files, capsys):
