@@ -7,7 +7,7 @@ from cutgap.formulations.certify import MULTIPLIERS_UNUSED, SCALE, Certificate, 
 from cutgap.instances import Instance, Rules
 
 MARGINS = (5e-7,)
-"""How far below the bound the claim lies, mm or K: more than the checker's rounding adds up to."""
+"""How far below the bound the claim lies, relative to it from 1 on: half of what counts as the bound."""
 
 MOST_STEPS = 700_000_000
 """Elementary steps of the checker, half a minute, beyond which there is no certificate."""
@@ -34,7 +34,9 @@ def heat_certificate(
     unit = instance.machine.v_jump if rules.objective == "makespan" else 1.0
 
     def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
-        claimed = None if bound is None else floor((bound * unit - margin) * SCALE)
-        return claimed, {"kind": "heat"}
+        if bound is None:
+            return None, {"kind": "heat"}
+        kept = bound - margin * max(1.0, abs(bound))
+        return floor(kept * unit * SCALE), {"kind": "heat"}
 
     return certificate_of(instance, rules, None, MULTIPLIERS_UNUSED, claim, margins=MARGINS, steps=steps)

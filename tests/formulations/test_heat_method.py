@@ -312,7 +312,7 @@ def test_certificates_prove_bounds_under_heat(capped, objective):
     rules = Rules(objective=objective, temperature_cap=None if objective == "peak" else cap)
     result = solve_heat(instance, rules, certify=True)
     verified = verify(result.certificate, format_instance(instance))
-    assert float(verified.bound) == pytest.approx(result.value, abs=1e-6)
+    assert float(verified.bound) == pytest.approx(result.value, rel=1e-6)
     assert verified.unit == rules.unit
     assert (result.status, result.reason, result.certificate["plan"]) == (Status.OPTIMAL, None, None)
 
