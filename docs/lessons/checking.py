@@ -6,6 +6,7 @@ valid but weak. A bound is wrong in two: it exceeds the value of a plan, or it i
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import wraps
 from itertools import permutations
 from typing import Any, TypeVar
 
@@ -30,6 +31,43 @@ class Verdict:
 
 
 NO_ANSWER = Verdict(False, "there is no answer yet")
+
+
+def tried(check: Callable[[Any], Verdict]) -> Callable[[Any], Verdict]:
+    """Let a check of a function tell what it was called with, when it fails or returns what is no answer."""
+
+    @wraps(check)
+    def judge(answer: Any) -> Verdict:
+        if not callable(answer):
+            return check(answer)
+        own: list[Exception] = []
+        last: list[Any] = []
+
+        def watched(*given: Any) -> Any:
+            try:
+                said = answer(*given)
+            except Exception as error:
+                if not own:
+                    error.add_note(f"The check called the answer with {_shown(given)}.")
+                own.append(error)
+                raise
+            last[:] = [given, said]
+            return said
+
+        try:
+            return check(watched)
+        except Exception as error:
+            if error in own or not last:
+                raise
+            why = f"for {_shown(last[0])} it returned {_shown(last[1])}, which is no answer: {error}"
+            return Verdict(False, why)
+
+    return judge
+
+
+def _shown(value: Any, most: int = 300) -> str:
+    text = ", ".join(map(repr, value)) if isinstance(value, tuple) else repr(value)
+    return text if len(text) <= most else f"{text[:most]} ..."
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +132,9 @@ def predicate(
 def subtour_rows(
     rows: Callable[[int], Sequence[Row]] | None, *, lengths: np.ndarray, at_least: float, nodes: int = 5
 ) -> Verdict:
-    """Check rows against subtours: with all successors of ``nodes`` nodes, then by the bound of their LP.
+    """Check rows against subtours, then by the bound of their LP.
+
+    They are tried on all successors of ``nodes`` nodes, and on all tours of one node more.
 
     Parameters
     ----------
@@ -107,16 +147,19 @@ def subtour_rows(
     """
     if rows is None:
         return NO_ANSWER
-    written = list(rows(nodes))
-    for successor in permutations(range(nodes)):
-        if any(i == j for i, j in enumerate(successor)):
-            continue
-        fixed = {("x", i, j): float(successor[i] == j) for i in range(nodes) for j in range(nodes) if i != j}
-        tour = _cycle(successor)
-        if len(tour) == nodes and _least(written, fixed, {}) is None:
-            return Verdict(False, f"they cut off a feasible plan: the tour {_arrows(tour)}")
-        if len(tour) < nodes and _least(written, fixed, {}) is not None:
-            return Verdict(False, f"they let through what is no plan: the subtour {_arrows(tour)}")
+    for count in (nodes, nodes + 1):
+        written = list(rows(count))
+        for successor in permutations(range(count)):
+            if any(i == j for i, j in enumerate(successor)):
+                continue
+            fixed = {
+                ("x", i, j): float(successor[i] == j) for i in range(count) for j in range(count) if i != j
+            }
+            tour = _cycle(successor)
+            if len(tour) == count and _least(written, fixed, {}) is None:
+                return Verdict(False, f"they cut off a feasible plan: the tour {_arrows(tour)}")
+            if len(tour) < count == nodes and _least(written, fixed, {}) is not None:
+                return Verdict(False, f"they let through what is no plan: the subtour {_arrows(tour)}")
     reached = assignment_bound(rows(len(lengths)), lengths)
     if reached < at_least - SLACK:
         return Verdict(False, f"valid but weak: their LP says {reached:.2f}, where {at_least:.2f} can be had")

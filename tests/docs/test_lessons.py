@@ -58,3 +58,18 @@ def test_a_check_without_an_answer_is_not_right(monkeypatch):
     assert not checking.bound(None, 1.0, at_least=0.0).right
     assert not checking.predicate(None, [], bool).right
     assert not checking.subtour_rows(None, lengths=np.zeros((3, 3)), at_least=0.0).right
+
+
+def test_an_error_inside_an_answer_is_kept_and_says_with_what_it_was_called(monkeypatch):
+    monkeypatch.syspath_prepend(str(LESSONS))
+    import checking
+
+    @checking.tried
+    def check_half(half):
+        return checking.number(half(0), 0.0, within=0.1)
+
+    with pytest.raises(ZeroDivisionError) as caught:
+        check_half(lambda x: 1 / x)
+    assert caught.value.__notes__ == ["The check called the answer with 0."]
+    assert "for 0 it returned 'none'" in check_half(lambda x: "none").why
+    assert check_half(lambda x: x / 2).right
