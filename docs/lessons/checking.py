@@ -67,6 +67,7 @@ def tried(check: Callable[[Any], Verdict]) -> Callable[[Any], Verdict]:
 
 def _shown(value: Any, most: int = 300) -> str:
     text = ", ".join(map(repr, value)) if isinstance(value, tuple) else repr(value)
+    text = " ".join(text.split())
     return text if len(text) <= most else f"{text[:most]} ..."
 
 
