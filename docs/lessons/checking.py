@@ -94,7 +94,7 @@ def number(
     for wrong, why in (mistakes or {}).items():
         if abs(answer - wrong) <= within:
             return Verdict(False, why)
-    return Verdict(False, f"{answer:g} is too {'large' if answer > truth else 'small'}")
+    return Verdict(False, f"{float(answer):g} is too {'large' if answer > truth else 'small'}")
 
 
 def bound(answer: float | None, optimum: float, *, at_least: float) -> Verdict:
@@ -102,10 +102,10 @@ def bound(answer: float | None, optimum: float, *, at_least: float) -> Verdict:
     if answer is None:
         return NO_ANSWER
     if answer > optimum + SLACK:
-        return Verdict(False, f"no bound: it says {answer:.3f}, and there is a plan of {optimum:.3f}")
+        return Verdict(False, f"no bound: it says {float(answer):.3f}, and there is a plan of {optimum:.3f}")
     if answer < at_least - SLACK:
-        return Verdict(False, f"valid but weak: {answer:.3f}, where {at_least:.3f} can be had")
-    return Verdict(True, f"a bound of {answer:.3f}")
+        return Verdict(False, f"valid but weak: {float(answer):.3f}, where {at_least:.3f} can be had")
+    return Verdict(True, f"a bound of {float(answer):.3f}")
 
 
 def predicate(
