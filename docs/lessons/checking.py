@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import wraps
 from itertools import permutations
+from math import isnan
 from typing import Any, TypeVar
 
 import numpy as np
@@ -52,6 +53,8 @@ def tried(check: Callable[[Any], Verdict]) -> Callable[[Any], Verdict]:
                 own.append(error)
                 raise
             last[:] = [given, said]
+            if isinstance(said, float) and isnan(said):  # no comparison would find it wrong
+                raise ArithmeticError("not a number")
             return said
 
         try:
@@ -101,7 +104,7 @@ def bound(answer: float | None, optimum: float, *, at_least: float) -> Verdict:
     """Check a lower bound against the optimum and the bound that was asked for."""
     if answer is None:
         return NO_ANSWER
-    if answer > optimum + SLACK:
+    if not answer <= optimum + SLACK:
         return Verdict(False, f"no bound: it says {float(answer):.3f}, and there is a plan of {optimum:.3f}")
     if answer < at_least - SLACK:
         return Verdict(False, f"valid but weak: {float(answer):.3f}, where {at_least:.3f} can be had")
