@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from cutgap.formulations.certificate import verify
     from cutgap.formulations.compact import TOUR_FORMULATIONS, compact_model
     from cutgap.formulations.compact.links import links_model
-    from cutgap.formulations.compact_bound import certified_bound, linear_bound
+    from cutgap.formulations.compact.proof import certified_bound, linear_bound
     from cutgap.formulations.front_door import METHODS, choose, resolve, solve
-    from cutgap.formulations.link_points import best_link_points, polish
+    from cutgap.formulations.links.best_points import best_link_points, polish
     from cutgap.formulations.links.outlines import outline_bound
     from cutgap.formulations.pareto import pareto_front
     from cutgap.formulations.relaxations.assignment import assignment, two_matching
@@ -29,9 +29,9 @@ _HOMES = {
     "certificate": ("verify",),
     "compact": ("TOUR_FORMULATIONS", "compact_model"),
     "compact.links": ("links_model",),
-    "compact_bound": ("certified_bound", "linear_bound"),
+    "compact.proof": ("certified_bound", "linear_bound"),
     "front_door": ("METHODS", "choose", "resolve", "solve"),
-    "link_points": ("best_link_points", "polish"),
+    "links.best_points": ("best_link_points", "polish"),
     "links.outlines": ("outline_bound",),
     "pareto": ("pareto_front",),
     "relaxations.assignment": ("assignment", "two_matching"),

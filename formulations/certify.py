@@ -29,6 +29,9 @@ MARGINS_MM = (1e-6, 1e-5, 1e-4, 1e-3)
 CERTIFIED_PRECISION = 1e-6
 """Relative difference of a bound and what its certificate proves that comes from ``MARGINS_MM``."""
 
+TOUR_MULTIPLIER_SCALE = 2**6
+"""Multipliers of tours are rounded to this part of a length unit, which is small already."""
+
 MULTIPLIERS_UNUSED = 1
 """Multiplier scale of proofs that have no rows."""
 

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 from cutgap.formulations.contour_dp.contour_split import solve_contour_split
 from cutgap.formulations.contour_dp.search import MOST_CONTOURS
 from cutgap.formulations.contour_dp.solve import solve_contours
-from cutgap.formulations.free import solve_free
 from cutgap.formulations.generalized_tour import solve_generalized_tour
 from cutgap.formulations.heat.solve import solve_heat
-from cutgap.formulations.split import solve_split
 from cutgap.formulations.tour import solve_tour
+from cutgap.formulations.two_heads.free import solve_free
+from cutgap.formulations.two_heads.split import solve_split
 from cutgap.instances import Instance, Plan, Result, Rules, Status
 from cutgap.instances.progress import Watch, nobody
 
@@ -33,7 +33,7 @@ def _solve_regions(instance: Instance, rules: Rules, **options: Any) -> Result:
 
 def _solve_perspective(instance: Instance, rules: Rules, **options: Any) -> Result:
     """Load cvxpy, which takes a second, when it is asked for."""
-    from cutgap.formulations.perspective_tour import solve_perspective
+    from cutgap.formulations.regions.perspective import solve_perspective
 
     return solve_perspective(instance, rules, **options)
 

@@ -17,9 +17,8 @@ from cutgap.formulations.branch_and_cut.engine import Outcome
 from cutgap.formulations.branch_and_cut.generalized_cuts import GeneralizedCut
 from cutgap.formulations.branch_and_cut.generalized_search import shortest_generalized_tour
 from cutgap.formulations.branch_and_cut.model import Fixing
-from cutgap.formulations.certify import SCALE, Family, Rows, certificate_of, flat_tree
+from cutgap.formulations.certify import SCALE, TOUR_MULTIPLIER_SCALE, Family, Rows, certificate_of, flat_tree
 from cutgap.formulations.scope import require_symmetric
-from cutgap.formulations.split_proof import MULTIPLIER_SCALE
 from cutgap.instances import Instance, Plan, Result, Rules, Visit, check, conclude
 from cutgap.instances.arrays import Ints
 from cutgap.instances.check import require_coordinates
@@ -174,7 +173,7 @@ def _certificate(instance: Instance, rules: Rules, outcome: Outcome, result: Res
         return proof["length"] + max(0, int(work * SCALE)), proof
 
     plan = None if result.violations else result.plan
-    return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, claim)
+    return certificate_of(instance, rules, plan, TOUR_MULTIPLIER_SCALE, claim)
 
 
 def _tree(outcome: Outcome, nodes: int, target: float) -> dict[str, Any]:
@@ -193,7 +192,7 @@ def _tree(outcome: Outcome, nodes: int, target: float) -> dict[str, Any]:
 
 def _family(name: Any) -> Family:
     """Name the rows of the model."""
-    factor = float(SCALE * MULTIPLIER_SCALE)
+    factor = float(SCALE * TOUR_MULTIPLIER_SCALE)
     if not isinstance(name, GeneralizedCut):
         return list(name), factor
     sets = [sorted(members) for members in name.sets]

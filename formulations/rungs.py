@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutgap.formulations.compact import TOUR_FORMULATIONS
-from cutgap.formulations.compact_bound import linear_bound
+from cutgap.formulations.compact.proof import linear_bound
 from cutgap.formulations.front_door import solve
 from cutgap.formulations.relaxations.assignment import two_matching
 from cutgap.formulations.relaxations.bound import RelaxationBound

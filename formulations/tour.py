@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from cutgap.formulations.certify import SCALE, certificate_of, side_proof
+from cutgap.formulations.certify import SCALE, TOUR_MULTIPLIER_SCALE, certificate_of, side_proof
 from cutgap.formulations.scope import require_single_entries
 from cutgap.formulations.sides import Side, Sides
-from cutgap.formulations.split_proof import MULTIPLIER_SCALE
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.progress import Progress, Watch, nobody
 from cutgap.instances.scene import Scene
@@ -81,6 +80,6 @@ def _certificate(instance: Instance, rules: Rules, side: Side, result: Result) -
     def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
         assert result.lower_bound is not None
         bound = max(0, int(np.floor((result.lower_bound * unit - 2 * margin) * SCALE)))
-        return bound, {"kind": "tour", "tour": side_proof(0, side, ids, margin, MULTIPLIER_SCALE)}
+        return bound, {"kind": "tour", "tour": side_proof(0, side, ids, margin, TOUR_MULTIPLIER_SCALE)}
 
-    return certificate_of(instance, rules, result.plan, MULTIPLIER_SCALE, claim)
+    return certificate_of(instance, rules, result.plan, TOUR_MULTIPLIER_SCALE, claim)

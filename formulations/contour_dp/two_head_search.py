@@ -25,8 +25,8 @@ from cutgap.formulations.contour_dp.sides import Side, Sides
 from cutgap.formulations.contour_dp.solve import length_step
 from cutgap.formulations.contour_dp.two_heads import Price, plan_of_switch_walk, switch_points, switch_walks
 from cutgap.formulations.contour_dp.walks import Walks
-from cutgap.formulations.split import obeys_triangle_inequality
-from cutgap.formulations.two_head_bound import objective_bound
+from cutgap.formulations.two_heads.bound import objective_bound
+from cutgap.formulations.two_heads.split import obeys_triangle_inequality
 from cutgap.instances import Instance, Plan, Rules, check, evaluate
 from cutgap.instances.arrays import Ints
 from cutgap.instances.progress import Progress, Watch

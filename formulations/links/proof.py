@@ -8,11 +8,19 @@ import numpy as np
 
 from cutgap.formulations.branch_and_cut.engine import Outcome
 from cutgap.formulations.branch_and_cut.model import Fixing, Proof
-from cutgap.formulations.certify import SCALE, Certificate, Family, Rows, certificate_of, flat_tree, leaf_proof
+from cutgap.formulations.certify import (
+    SCALE,
+    TOUR_MULTIPLIER_SCALE,
+    Certificate,
+    Family,
+    Rows,
+    certificate_of,
+    flat_tree,
+    leaf_proof,
+)
 from cutgap.formulations.links.cuts import DOUBLE, LINK, RAPID, Bundle, Group, Parity, Partition, Rank, Triangle
 from cutgap.formulations.links.graph import LinkGraph
 from cutgap.formulations.links.prices import Prices
-from cutgap.formulations.split_proof import MULTIPLIER_SCALE
 from cutgap.instances import Instance, Plan, Rules
 from cutgap.instances.links.clearance import deepest_shares
 
@@ -39,13 +47,13 @@ def bound_certificate(
         length = max(0.0, outcome.lower_bound - margin)
         return work + int(length * SCALE), _tree(graph, outcome, length)
 
-    return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, claim, margins=MARGINS_MM)
+    return certificate_of(instance, rules, plan, TOUR_MULTIPLIER_SCALE, claim, margins=MARGINS_MM)
 
 
 def empty_certificate(instance: Instance, rules: Rules, plan: Plan) -> Certificate | None:
     """Return the certificate of an instance without contours."""
     proof = {"kind": "links", "rows": [], "nodes": [], "blocked": []}
-    return certificate_of(instance, rules, plan, MULTIPLIER_SCALE, lambda _: (0, proof))
+    return certificate_of(instance, rules, plan, TOUR_MULTIPLIER_SCALE, lambda _: (0, proof))
 
 
 def infeasibility_certificate(
@@ -113,7 +121,7 @@ def _variable(fixing: Fixing, graph: LinkGraph) -> list[Any]:
 
 def _family(name: Any, graph: LinkGraph) -> Family:
     """Name the rows of the model, and say how often the checker's row is the model's."""
-    factor = float(SCALE * MULTIPLIER_SCALE)
+    factor = float(SCALE * TOUR_MULTIPLIER_SCALE)
     if isinstance(name, Partition):
         return ["partition", sorted(sorted(part) for part in name.parts)], factor / (name.count - 1)
     if isinstance(name, Parity):

@@ -2,7 +2,7 @@ r"""From bounds on tours to a bound on the objective: one head, or two heads wit
 
 One head cuts everything, so its tour's length decides. Two heads without overlap divide the contours at a
 threshold in x (``certificate/split.py``), so the objective is at least the least, over all divisions that are
-allowed, of what the lengths of the two tours make of it (``two_head_bound``):
+allowed, of what the lengths of the two tours make of it (``two_heads.bound``):
 
     (1) bound = min over divisions (S, rest) of f(l_0(S), l_1(rest)),   l_a(C) <= shortest tour of head a of C
 
@@ -30,7 +30,7 @@ from cutgap.formulations.relaxations.bound import RelaxationBound, Size, float_b
 from cutgap.formulations.relaxations.tour_proof import MULTIPLIER_SCALE, Table, TourRelaxation, prove
 from cutgap.formulations.scope import require_given_entries, require_no_peak, require_single_entries
 from cutgap.formulations.sides import Sides
-from cutgap.formulations.two_head_bound import objective_bound
+from cutgap.formulations.two_heads.bound import objective_bound
 from cutgap.instances import Instance, Rules
 from cutgap.instances.formats.json_format import format_instance
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.sides import Sides
+from cutgap.formulations.two_heads.lengthening import balanced
 from cutgap.instances import Instance, Plan, Rules, check, evaluate
 from cutgap.instances.arrays import Floats
 

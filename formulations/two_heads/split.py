@@ -39,12 +39,12 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from cutgap.formulations.lengthening import balanced
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Side, Sides
-from cutgap.formulations.split_proof import split_certificate
-from cutgap.formulations.split_scenes import moved, split_scene, tightened
-from cutgap.formulations.two_head_bound import objective_bound
+from cutgap.formulations.two_heads.bound import objective_bound
+from cutgap.formulations.two_heads.lengthening import balanced
+from cutgap.formulations.two_heads.proof import split_certificate
+from cutgap.formulations.two_heads.scenes import moved, split_scene, tightened
 from cutgap.instances import Instance, Plan, Result, Rules, conclude
 from cutgap.instances.arrays import difference
 from cutgap.instances.progress import Progress, Watch, nobody

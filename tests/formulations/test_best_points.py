@@ -6,7 +6,7 @@ from oracles.random_outlines import random_outlines
 from scipy.optimize import minimize
 
 from cutgap.formulations import best_link_points, links_model, polish
-from cutgap.formulations.link_points import edges_of, exact_bound, topology_of
+from cutgap.formulations.links.best_points import edges_of, exact_bound, topology_of
 from cutgap.instances import Contour, Head, Instance, Link, Machine, Plan, Rules, Visit, check, evaluate
 
 TRAVEL = Rules("travel", links=True)

@@ -10,7 +10,7 @@ from cutgap.formulations.branch_and_cut.wording import legs_around
 from cutgap.instances.scene import Leg, Range, Scene, Threshold, plan_nodes
 
 if TYPE_CHECKING:
-    from cutgap.formulations.split import Cell, SplitSearch
+    from cutgap.formulations.two_heads.split import Cell, SplitSearch
 
 NAMES = ("left", "right")
 

@@ -12,7 +12,7 @@ from oracles.random_instances import random_instance
 
 from cutgap.formulations.certificate import Refused, verify
 from cutgap.formulations.compact import compact_model
-from cutgap.formulations.compact_bound import CLOCK, certified_bound
+from cutgap.formulations.compact.proof import CLOCK, certified_bound
 from cutgap.instances import Head, Instance, Plan, Rules
 from cutgap.instances.formats.json_format import format_instance
 

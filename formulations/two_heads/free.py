@@ -14,9 +14,9 @@ from cutgap.formulations.branch_and_cut.engine import BranchAndCut, Outcome
 from cutgap.formulations.branch_and_cut.model import Fixing
 from cutgap.formulations.branch_and_cut.two_heads import TwoHeadsModel
 from cutgap.formulations.certify import SCALE, Certificate, Rows, certificate_of, flat_tree, two_heads_family
-from cutgap.formulations.divisions import Divisions
 from cutgap.formulations.scope import require_two_heads
 from cutgap.formulations.sides import Sides
+from cutgap.formulations.two_heads.divisions import Divisions
 from cutgap.instances import Instance, Plan, Result, Rules, Status, conclude
 from cutgap.instances.arrays import Floats
 from cutgap.instances.progress import Progress, Watch, nobody

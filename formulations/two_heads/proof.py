@@ -4,14 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cutgap.formulations.certify import SCALE, Certificate, certificate_of, side_proof
+from cutgap.formulations.certify import SCALE, TOUR_MULTIPLIER_SCALE, Certificate, certificate_of, side_proof
 from cutgap.instances import Result, Status
 
 if TYPE_CHECKING:
-    from cutgap.formulations.split import SplitSearch
-
-MULTIPLIER_SCALE = 2**6
-"""Multipliers of tours are rounded to this part of a length unit, which is small already."""
+    from cutgap.formulations.two_heads.split import SplitSearch
 
 
 def split_certificate(search: "SplitSearch", result: Result) -> Certificate | None:
@@ -24,13 +21,13 @@ def split_certificate(search: "SplitSearch", result: Result) -> Certificate | No
 
     def claim(margin: float) -> tuple[int | None, dict[str, Any]]:
         tours = [
-            side_proof(head, side, ids, margin, MULTIPLIER_SCALE)
+            side_proof(head, side, ids, margin, TOUR_MULTIPLIER_SCALE)
             for head, sides in enumerate(search.sides)
             for _, side in sides.proved()
         ]
         if search.free_right is not search.sides[1]:
             tours += [
-                side_proof(1, side, ids, margin, MULTIPLIER_SCALE) | {"via": False}
+                side_proof(1, side, ids, margin, TOUR_MULTIPLIER_SCALE) | {"via": False}
                 for _, side in search.free_right.proved()
             ]
         bound, least = None, -np.inf
@@ -40,7 +37,7 @@ def split_certificate(search: "SplitSearch", result: Result) -> Certificate | No
         ties = [_tie_tree(search, *cell, least) for cell in search.first_cells() if cell[2]]
         return bound, {"kind": "split", "tours": tours, "ties": ties}
 
-    return certificate_of(instance, rules, result.plan, MULTIPLIER_SCALE, claim)
+    return certificate_of(instance, rules, result.plan, TOUR_MULTIPLIER_SCALE, claim)
 
 
 def _tie_tree(

@@ -10,7 +10,7 @@ from oracles.region_orders import shortest_of_orders
 
 from cutgap.formulations import solve
 from cutgap.formulations.certificate import verify
-from cutgap.formulations.perspective_tour import MOST_WHOLE, solve_perspective
+from cutgap.formulations.regions.perspective import MOST_WHOLE, solve_perspective
 from cutgap.instances import Contour, Head, Instance, Machine, Rules, Status
 from cutgap.instances.formats.json_format import format_instance
 from cutgap.instances.region import Ellipsoid
