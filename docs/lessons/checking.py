@@ -58,7 +58,10 @@ def tried(check: Callable[[Any], Verdict]) -> Callable[[Any], Verdict]:
             return said
 
         try:
-            return check(watched)
+            verdict = check(watched)
+            if last and last[1] is None and NO_ANSWER.why in verdict.why:
+                return Verdict(False, f"for {_shown(last[0])} it returned nothing: is there a `return`?")
+            return verdict
         except Exception as error:
             if error in own or not last:
                 raise

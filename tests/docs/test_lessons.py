@@ -72,6 +72,7 @@ def test_an_error_inside_an_answer_is_kept_and_says_with_what_it_was_called(monk
         check_half(lambda x: 1 / x)
     assert caught.value.__notes__ == ["The check called the answer with 0."]
     assert "for 0 it returned 'none'" in check_half(lambda x: "none").why
+    assert "for 0 it returned nothing" in check_half(lambda x: None).why
     assert "for 0 it returned nan" in check_half(lambda x: float("nan")).why
     assert not checking.bound(float("nan"), 1.0, at_least=0.0).right
     assert check_half(lambda x: x / 2).right
