@@ -140,7 +140,7 @@ class _Sheet:
         """Return width and height in inches that suit the sheet's proportions."""
         width = WIDTH if columns == 1 else WIDTH + 3.0
         panel = (width - 1.3) / columns - 0.6
-        return width, rows * (float(np.clip(panel * self.shape, 0.8, 6.0)) + 0.7) + 0.45
+        return width, rows * (float(np.clip(panel * self.shape, 0.8, 6.0)) + 0.85) + 0.45
 
     def _name(self, contour: int) -> str:
         return f"turn {self.turns[contour]} (contour {self.instance.contours[contour].id})"
@@ -150,7 +150,9 @@ class _Sheet:
         x, y = np.meshgrid(self.xs, self.ys)
         field = temperatures(self.instance, self.plan, np.column_stack([x.ravel(), y.ravel()]), [moment])
         # Infinite on a curve at the end of its cut: beyond the scale is all that can be shown.
-        warm = np.minimum(field.reshape(x.shape), self.shades[-1] + 1.0)
+        # What is as cold as the ambient gets the first shade, which by rounding may begin above it.
+        least = self.shades[0] + 1e-6 * (self.shades[1] - self.shades[0])
+        warm = np.clip(field.reshape(x.shape), least, self.shades[-1] + 1.0)
         drawn = axes.contourf(x, y, warm, levels=self.shades, cmap=WARMTH, extend="max")
         lines = self.shades[2:-1:2]
         isotherms = axes.contour(x, y, warm, levels=lines, colors="black", linewidths=0.5, alpha=0.6)
@@ -170,7 +172,8 @@ class _Sheet:
         if pierced:
             place = self.places[pierced[0]]
             warmth = float(temperatures(self.instance, self.plan, [place], [moment])[0, 0])
-            text += f", {self._name(pierced[0])} pierced at {warmth:.1f} deg C"
+            # On a line of its own, for narrow panels.
+            text += f"\n{self._name(pierced[0])} pierced at {warmth:.1f} deg C"
         return text
 
     def _outlines(self, axes: Axes, moment: float) -> None:

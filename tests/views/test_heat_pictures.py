@@ -3,17 +3,21 @@
 import json
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
+from matplotlib.contour import QuadContourSet
 
+from cutgap.formulations import solve
 from cutgap.formulations.heat import exact
 from cutgap.instances import Plan, Rules, conclude, evaluate
 from cutgap.instances.formats import write_instance, write_plan
 from cutgap.instances.generate import generate
 from cutgap.instances.heat import rises, temperatures
 from cutgap.instances.simulate import start_times
+from cutgap.instances.suites import load_suite
 from cutgap.views.charts import heat_front_figure
 from cutgap.views.cli import main
 from cutgap.views.heat_plots import heat_figure, hottest_pierce, step_moments, warming_figure
@@ -119,6 +123,30 @@ def test_plot_writes_pictures_of_heat(files, tmp_path, options):
     out = tmp_path / "heat.png"
     assert main(["plot", *files, *options, "--out", str(out)]) == 0
     assert out.read_bytes().startswith(b"\x89PNG")
+
+
+def test_titles_of_panels_stay_apart(plate):
+    plan = Plan.of_contours([range(6)])
+    figure = heat_figure(plate, plan, step_moments(plate, plan, 3))
+    figure.draw_without_rendering()
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    places = [
+        axes._left_title.get_window_extent() for axes, title in zip(figure.axes, titles, strict=True) if title
+    ]
+    assert len(places) == 3
+    assert not any(one.overlaps(other) for one, other in combinations(places, 2))
+
+
+def test_a_sheet_that_is_cold_is_shaded():
+    # A low peak: the scale begins at the ambient, by rounding a little above it.
+    plate = next(each for each in load_suite("small-plates") if each.name == "small-plate-08-1")
+    plan = solve(plate, Rules("peak"), method="heat").plan
+    figure = heat_figure(plate, plan, step_moments(plate, plan, 6)[:1])
+    (shades,) = [
+        each for each in figure.axes[0].collections if isinstance(each, QuadContourSet) and each.filled
+    ]
+    assert shades.levels[0] == pytest.approx(plate.material.ambient_c)
+    assert len(shades.get_paths()[0].vertices) > 0
 
 
 def test_heat_in_motion(files, tmp_path, monkeypatch):
