@@ -24,7 +24,9 @@ function rowsOf(step) {
 }
 
 function drawPicture() {
-  const options = { numbers: byId("numbers").checked, incumbent: byId("incumbent").checked };
+  // The run ends with its best plan, where the last step has no legs of its own to show.
+  const ends = place === steps.length - 1 && !(steps[place].legs || []).length;
+  const options = { numbers: byId("numbers").checked, incumbent: byId("incumbent").checked || ends };
   picture.draw(steps[place], rowsOf(steps[place])[chosenRow], options);
 }
 
@@ -153,7 +155,7 @@ function legends() {
   if (run.instance.homes.length > 1) entries.push([bar, "second head (bar, squares)"]);
   if (shows("visits")) {
     const hollow = sample({ class: "contour open", cx: 17, cy: 7, r: 5 }, "circle");
-    entries.splice(0, 3, [edge(1), "made once"], [edge(2), "more often"], [hollow, "not visited (0×)"]);
+    entries.splice(0, 3, [edge(1), "made once"], [edge(2), "more often"], [hollow, "not visited"]);
   }
   if (shows("owners")) entries.splice(0, 3, [edge(1), "best tour known"]);
   legend("legend", entries);

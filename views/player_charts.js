@@ -16,7 +16,9 @@ function scaleOf(low, high, from, to) {
 function axis(svg, y, values, width) {
   for (const value of values) {
     make("line", { class: "axis", x1: 46, x2: width - 6, y1: y(value), y2: y(value) }, svg);
-    make("text", { x: 42, y: y(value) + 4, "text-anchor": "end" }, svg, String(Math.round(value * 10) / 10));
+    // Four digits and more have no room for decimals.
+    const digits = Math.abs(value) < 999.95 ? 1 : 0;
+    make("text", { x: 42, y: y(value) + 4, "text-anchor": "end" }, svg, String(Number(value.toFixed(digits))));
   }
 }
 

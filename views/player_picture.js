@@ -146,7 +146,7 @@ class Picture {
       shape.addEventListener("pointerenter", () => this.say(text));
       shape.addEventListener("click", () => { this.chosenContour = contour; this.say(text, true); });
       if (node > 0 && contour_of[node - 1] === contour) return;
-      if (visits !== 1) make("text", { class: "edge-number", x: x + 6, y: y - 5 }, this.layers.labels, visits + "×");
+      if (visits > 1) make("text", { class: "edge-number", x: x + 6, y: y - 5 }, this.layers.labels, visits + "×");
       else if (numbered) make("text", { class: "edge-number", x: x + 6, y: y + 4 }, this.layers.labels, step.prices ? short(step.prices[contour]) : contours[contour]);
     });
     homes.forEach((node, head) => {

@@ -76,6 +76,16 @@ def test_every_step_can_be_shown(pages, open_page, kind):
     assert page.locator("#picture .best").count() > 0
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_run_ends_with_its_plan_and_figures_are_whole(pages, open_page, kind):
+    page = open_page(pages[kind], viewport=PHONE)
+    page.click("#last")
+    assert page.locator("#picture .best, #picture .edge").count() > 0
+    cut = """[...document.querySelectorAll('#chart text')].filter(
+        text => text.getBoundingClientRect().left < text.ownerSVGElement.getBoundingClientRect().left)"""
+    assert page.evaluate(f"{cut}.map(text => text.textContent)") == []
+
+
 def test_buttons_change_the_step(pages, open_page):
     page = open_page(pages["tour"])
     count = place(page)[1]
