@@ -18,7 +18,7 @@ from cutgap.benchmark.runner import Failure
 from cutgap.benchmark.wording import describe
 from cutgap.instances import Rules
 from cutgap.views.pages import definition, html_table, view_text
-from cutgap.views.plots import HEAD_COLOURS, UNCUT, WIDTH
+from cutgap.views.plots import HEAD_COLOURS, PAGE_WIDTH, UNCUT
 from cutgap.views.svg import inline_svg, page_style
 from cutgap.views.tables import output
 
@@ -137,7 +137,7 @@ def audit_html(
     sections = []
     for number, (title, group, totals) in enumerate(_tables(rows)):
         with page_style(f"audit-{number}"):
-            svg = inline_svg(audit_figure(group), f"published figures over the optima: {escape(title)}")
+            svg = inline_svg(audit_figure(group), f"published figures over the optima: {title}")
         caption = "Band: 5 % to 95 % of the optima of random parts; line: median; hollow: the plan overlaps."
         table = html_table(headings([total.method for total in totals]), [table_lines(group, totals)])
         sections.append(
@@ -173,7 +173,7 @@ def _warnings(run: AuditRun, records: Sequence[Record], failures: Sequence[Failu
 
 def audit_figure(rows: Sequence[AuditRow]) -> Figure:
     """Draw the published figures of the methods over the band of optima; rows of one table."""
-    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    figure = Figure(figsize=(PAGE_WIDTH, 3.4), layout="constrained")
     axes = figure.add_subplot()
     by_size = {row.holes: row for row in rows}
     sizes = list(by_size)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from cutgap.instances import Result
 from cutgap.instances.result import OPTIMALITY_TOLERANCE
-from cutgap.views.plots import HEAD_COLOURS, UNCUT, WIDTH
+from cutgap.views.plots import HEAD_COLOURS, PAGE_WIDTH, UNCUT, WIDTH
 
 
 def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
@@ -21,7 +21,7 @@ def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
     gaps
         Method and the gaps of its runs, as shares; methods without gaps keep an empty line.
     """
-    figure = Figure(figsize=(WIDTH, 0.7 + 0.55 * len(gaps)), layout="constrained")
+    figure = Figure(figsize=(PAGE_WIDTH, 0.7 + 0.45 * len(gaps)), layout="constrained")
     axes = figure.add_subplot()
     positions = range(len(gaps), 0, -1)
     for position, (_, shares) in zip(positions, gaps, strict=True):
@@ -29,13 +29,14 @@ def gap_figure(gaps: Sequence[tuple[str, Sequence[float]]]) -> Figure:
         # Even steps up and down instead of random ones: the picture is the same each time.
         offsets = 0.22 * (np.arange(len(percents)) % 5 - 2) / 2
         axes.scatter(
-            percents, position + offsets, s=9, color=HEAD_COLOURS[0], alpha=0.6, linewidths=0, zorder=3
+            percents, position + offsets, s=14, color=HEAD_COLOURS[0], alpha=0.6, linewidths=0, zorder=3
         )
         if len(percents):
             ends = [percents.min(), percents.max()]
             axes.plot(ends, [position] * 2, color=UNCUT, linewidth=1.3, marker="|", markersize=13, zorder=2)
             axes.plot(percents.mean(), position, color=HEAD_COLOURS[1], marker="D", markersize=6.5, zorder=4)
     axes.set_yticks(list(positions), [method for method, _ in gaps])
+    axes.set_ylim(0.5, len(gaps) + 0.5)
     axes.set_xlabel("gap to the proved bound [%]")
     axes.set_xlim(left=-0.02 * max((100 * max(shares) for _, shares in gaps if shares), default=1.0))
     axes.grid(axis="x", color=UNCUT, alpha=0.25, linewidth=0.7)
@@ -54,7 +55,12 @@ def front_figure(name: str, results: Sequence[Result]) -> Figure:
     )
     imbalances = [result.evaluation.imbalance_s for result in shown if result.evaluation is not None]
     travel = [result.evaluation.total_travel_mm for result in shown if result.evaluation is not None]
-    axes.step(imbalances, travel, where="pre", color=HEAD_COLOURS[0], alpha=0.4, linewidth=1.2, zorder=2)
+    # The least travel that is known under each limit: a plan is of use from its imbalance on.
+    stairs = sorted(zip(imbalances, travel, strict=True))
+    if stairs:
+        least = np.minimum.accumulate([length for _, length in stairs])
+        ends = [x for x, _ in stairs]
+        axes.step(ends, least, where="post", color=HEAD_COLOURS[0], alpha=0.4, linewidth=1.2, zorder=2)
     axes.scatter(imbalances, travel, s=26, color=HEAD_COLOURS[0], zorder=3, label="plan")
     known = [
         (x if result.rules.balance is None else result.rules.balance, result.lower_bound)
@@ -68,9 +74,9 @@ def front_figure(name: str, results: Sequence[Result]) -> Figure:
         s=160,
         color=HEAD_COLOURS[1],
         zorder=4,
-        label="proved bound",
+        label="proved bound under a limit",
     )
-    axes.set_xlabel("imbalance [s]")
+    axes.set_xlabel("imbalance of a plan, or its limit [s]")
     axes.set_ylabel("travel [mm]")
     axes.set_title(f"{name}: least travel under a limit on imbalance", fontsize=10)
     axes.grid(color=UNCUT, alpha=0.25, linewidth=0.7)

@@ -139,9 +139,11 @@ def _head(instance: Instance, points: Floats, head: int, tour: Sequence[Visit]) 
         x, y = inner[0]
         parts.append(f'<circle class="first" cx="{x:.1f}" cy="{y:.1f}" r="7"/>')
         if len(pierced) <= MOST_NUMBERED:
+            # The first one has a ring around it.
             numbers = (
-                f'<text x="{x + 4:.1f}" y="{y - 4:.1f}">{number}</text>'
+                f'<text x="{x + right:.1f}" y="{y - up:.1f}">{number}</text>'
                 for number, (x, y) in enumerate(pierced, start=1)
+                for right, up in [(8, 6) if number == 1 else (4, 4)]
             )
             parts.append("".join(numbers))
     if home is not None:

@@ -26,6 +26,8 @@ HEAD_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
 UNCUT = "#808080"
 WIDTH = 7.0
 """Width of figures in inches."""
+PAGE_WIDTH = 4.8
+"""The same on pages: as wide as a phone, so that letters keep their size there."""
 DASHED, DOTTED = (0, (4, 3)), (0, (1, 2))
 DOT_AREA = (8.0, 60.0)
 """Area of the smallest and the largest dot, square points."""
@@ -33,6 +35,8 @@ FILL = 0.12
 """Opacity of regions that may be entered anywhere."""
 OUTLINE_CORNERS = 90
 """Corners of the polyline that is drawn for an ellipse."""
+LEGEND_COLUMN = 1.4
+"""Width of a column of a legend, inches."""
 MOST_NUMBERED = 40
 """Contours of a tour that are numbered; more numbers cannot be read."""
 MOST_CLEAR = 100
@@ -45,7 +49,9 @@ def save(figure: Figure, path: Path) -> None:
     figure.savefig(path, dpi=160)
 
 
-def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = False, title: str = "") -> Figure:
+def plan_figure(
+    instance: Instance, plan: Plan | None, *, via_points: bool = False, title: str = "", width: float = WIDTH
+) -> Figure:
     """Draw the contours from above and, with a plan, the tour of each head.
 
     Parameters
@@ -56,6 +62,8 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
         ``None`` draws contours and homes alone.
     via_points
         Whether the first contour of a tour is a via point; it is marked either way.
+    width
+        Of the figure, inches.
 
     Raises
     ------
@@ -69,10 +77,12 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
     free = plan is not None and any(visit.point is not None for tour in plan.tours for visit in tour)
     if plan is not None:
         instance, plan = pinned(instance, plan)
-    width, height = _size(instance)
-    figure = Figure(figsize=(width, height))
+    handles = _legend_handles(instance, plan, via_points)
+    columns = max(1, int(width / LEGEND_COLUMN))
     # Margins in inches: to have them found by a layout engine takes as long as all the drawing.
-    left, right, below, above = 0.7, 0.15, 0.8, 0.3
+    left, right, below, above = 0.7, 0.15, 0.6 + 0.2 * -(-len(handles) // columns), 0.3
+    height = _drawing_height(instance, width) + below + above
+    figure = Figure(figsize=(width, height))
     axes = figure.add_axes(
         (left / width, below / height, 1 - (left + right) / width, 1 - (below + above) / height)
     )
@@ -90,18 +100,19 @@ def plan_figure(instance: Instance, plan: Plan | None, *, via_points: bool = Fal
                 _draw_tour(axes, instance, head, tour)
         _draw_partition(axes, instance, plan)
     _draw_homes(axes, instance)
-    _draw_legend(figure, instance, plan, via_points)
+    if handles:
+        figure.legend(handles=handles, loc="lower left", ncols=columns, frameon=False, fontsize=8)
     return figure
 
 
-def _size(instance: Instance) -> tuple[float, float]:
-    """Return width and height in inches that suit the instance's proportions."""
+def _drawing_height(instance: Instance, limit: float) -> float:
+    """Return the height in inches, without margins, that suits the instance's proportions."""
     curves = [outline(contour) for contour in instance.contours]
     places = np.concatenate([instance.points[:, :2], *(curve for curve in curves if curve is not None)])
     if len(places) == 0:
-        return WIDTH, WIDTH / 2
+        return limit / 2
     width, height = np.ptp(places, axis=0)
-    return WIDTH, float(np.clip(WIDTH * height / width if width > 0 else WIDTH, 2.0, WIDTH)) + 1.1
+    return float(np.clip(limit * height / width if width > 0 else limit, 2.0, limit))
 
 
 def outline(contour: Contour) -> Floats | None:
@@ -211,7 +222,8 @@ def _draw_numbers(axes: Axes, points: Floats, colour: str) -> None:
         axes.annotate(
             str(number),
             tuple(point),
-            xytext=(3, 3),
+            # The first one has a ring around it.
+            xytext=(6, 6) if number == 1 else (3, 3),
             textcoords="offset points",
             fontsize=7,
             color=colour,
@@ -266,7 +278,7 @@ def _draw_homes(axes: Axes, instance: Instance) -> None:
             axes.scatter(x, y, s=70, marker="s", color=_colour(head), edgecolors="white", zorder=5)
 
 
-def _draw_legend(figure: Figure, instance: Instance, plan: Plan | None, via_points: bool) -> None:
+def _legend_handles(instance: Instance, plan: Plan | None, via_points: bool) -> list[Line2D]:
     handles = []
     if plan is not None:
         for index, head in enumerate(instance.heads):
@@ -279,9 +291,7 @@ def _draw_legend(figure: Figure, instance: Instance, plan: Plan | None, via_poin
             handles.append(Line2D([], [], color=UNCUT, linestyle=DOTTED, label="partition (band: overlap)"))
     if any(head.home is not None for head in instance.heads):
         handles.append(_mark("s", "home", filled=True))
-    if handles:
-        columns = min(5, len(handles))
-        figure.legend(handles=handles, loc="lower left", ncols=columns, frameon=False, fontsize=8)
+    return handles
 
 
 def _mark(marker: Literal["o", "s"], label: str, *, filled: bool) -> Line2D:

@@ -201,7 +201,7 @@ def _gap_plot(summaries: Sequence[Summary]) -> str:
         figure = gap_figure([(summary_name(each, summaries), each.gaps) for each in summaries])
         svg = inline_svg(figure, "gap of each run, by method")
     caption = "Dot: a run with an allowed plan; diamond: their mean; line: from the least gap to the largest."
-    return f'<figure><div class="scroll chart">{svg}</div><figcaption>{caption}</figcaption></figure>'
+    return f"<figure>{svg}<figcaption>{caption}</figcaption></figure>"
 
 
 def _provenance(run: Run, records: Sequence[Record], rows: Sequence[TableRow]) -> list[tuple[str, str]]:

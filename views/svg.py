@@ -45,7 +45,6 @@ def inline_svg(figure: Figure, label: str) -> str:
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"', r"\1", svg, count=1)
     svg = re.sub(r' font-family: [^;"]*;', "", svg)
     svg = re.sub(r'<g id="[^"]*">', "<g>", svg)
-    svg = svg.replace("<svg", f'<svg role="img" aria-label="{escape(label)}"', 1)
     # White stands for the ground: halos of numbers, rims of squares, open markers.
     variables = {
         INK: "currentColor",
@@ -56,10 +55,16 @@ def inline_svg(figure: Figure, label: str) -> str:
     variables |= {colour: f"var(--head-{index})" for index, colour in enumerate(HEAD_COLOURS)}
     for colour, variable in variables.items():
         svg = svg.replace(colour.lower(), variable)
-    return _shortened(svg)
+    return _shortened(svg).replace("<svg", f'<svg role="img" aria-label="{escape(label)}"', 1)
 
 
 def _shortened(svg: str) -> str:
-    """Round to a tenth of a point, which is not seen, and drop line breaks: the page is halved."""
-    svg = re.sub(r"-?\d+\.\d{2,}", lambda match: f"{float(match[0]):z.1f}".removesuffix(".0"), svg)
-    return re.sub(r"\s*\n\s*", " ", svg)
+    """Round places to a tenth of a point, which is not seen, and drop line breaks: the page is halved.
+
+    Texts stand between tags, and keep all their digits.
+    """
+
+    def rounded(tag: re.Match[str]) -> str:
+        return re.sub(r"-?\d+\.\d{2,}", lambda match: f"{float(match[0]):z.1f}".removesuffix(".0"), tag[0])
+
+    return re.sub(r"\s*\n\s*", " ", re.sub(r"<[^>]*>", rounded, svg))

@@ -16,7 +16,7 @@ with app.setup:
     from cutgap.instances import Instance, Machine, Result, Rules, Status
     from cutgap.instances.generate import generate
     from cutgap.views.bound_plot import ladder_figure
-    from cutgap.views.plots import plan_figure
+    from cutgap.views.plots import PAGE_WIDTH, plan_figure
     from cutgap.views.svg import inline_svg, page_style
 
     TIME_LIMIT_S = 1.0
@@ -124,7 +124,8 @@ def plan_picture(instance: Instance, result: Result) -> mo.Html:
     plan = None if result.violations else result.plan
     words = "no plan" if plan is None else f"plan of {len(instance.contours)} holes for two heads"
     with page_style("plan"):
-        return picture(inline_svg(plan_figure(instance, plan), f"{instance.name}: {words}"))
+        figure = plan_figure(instance, plan, width=PAGE_WIDTH)
+        return picture(inline_svg(figure, f"{instance.name}: {words}"))
 
 
 @app.function
@@ -140,7 +141,7 @@ def ladder_picture(instance: Instance, result: Result, rungs: list) -> mo.Html:
     """Draw what each formulation proves against the value of the plan."""
     value = None if result.violations else result.value
     with page_style("ladder"):
-        figure = ladder_figure(instance.name, rungs, value, result.rules.unit)
+        figure = ladder_figure(instance.name, rungs, value, result.rules.unit, narrow=True)
         words = ", ".join(f"{rung.formulation} {rung.bound:.2f}" for rung in rungs)
         return picture(inline_svg(figure, f"bounds in {result.rules.unit}: {words}"))
 
@@ -149,11 +150,15 @@ def ladder_picture(instance: Instance, result: Result, rungs: list) -> mo.Html:
 def ladder_table(result: Result, rungs: list) -> str:
     """Return the same bounds as a table in Markdown, strongest first, as in the picture."""
     value = None if result.violations else result.value
-    rows = [f"| formulation | bound [{result.rules.unit}] | gap [%] |", "|---|---|---|"]
+    rows = [
+        f"| formulation | bound [{result.rules.unit}] | gap [%] | variables | time [s] |",
+        "|---|---|---|---|---|",
+    ]
     for rung in reversed(rungs):
         gap = rung.gap(value)
         share = "" if gap is None else f"{100 * gap:.2f}"
-        rows.append(f"| {rung.formulation} | {rung.bound:.2f} | {share} |")
+        size = "" if rung.variables is None else rung.variables
+        rows.append(f"| {rung.formulation} | {rung.bound:.2f} | {share} | {size} | {rung.seconds:.2f} |")
     return "\n".join(rows)
 
 
@@ -206,7 +211,7 @@ def _():
       --ground: var(--background); margin: 0; }
     .dark .cutgap { --head-0: #56b4e9; --head-1: #f28e3c; --head-2: #2fc79a; --head-3: #e39cc5;
       --grey: #8d96a1; }
-    .cutgap svg { width: 100%; height: auto; display: block; }
+    .cutgap svg { width: 100%; height: auto; max-width: 40rem; display: block; }
     </style>""")
     return
 

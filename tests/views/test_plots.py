@@ -1,5 +1,6 @@
 """Pictures say what the plan says."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,8 @@ from oracles.random_instances import random_instance
 from cutgap.instances import Contour, Head, Instance, Plan, Visit
 from cutgap.instances.region import Ellipsoid
 from cutgap.views.charts import gap_figure
-from cutgap.views.plots import HEAD_COLOURS, MOST_NUMBERED, plan_figure
+from cutgap.views.plots import HEAD_COLOURS, MOST_NUMBERED, PAGE_WIDTH, WIDTH, plan_figure
+from cutgap.views.svg import inline_svg, page_style
 
 
 @pytest.fixture
@@ -127,3 +129,35 @@ def test_gap_figure_has_a_dot_for_each_run():
     for found, (_, shares) in zip(dots, gaps, strict=True):
         assert np.allclose(found, 100 * np.array(shares))
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == [name for name, _ in gaps]
+
+
+def test_figures_on_a_page_keep_their_digits():
+    with page_style("test"):
+        figure = gap_figure([("split", [0.00011, 0.00013])])
+        svg = inline_svg(figure, "least gap 0.01234 %")
+    assert 'aria-label="least gap 0.01234 %"' in svg
+    figure.draw_without_rendering()
+    ticks = [label.get_text() for label in figure.axes[0].get_xticklabels()]
+    assert len(set(ticks)) == len(ticks) > 2
+    shown = re.findall(r"<text[^>]*>([^<]*)<", svg)
+    low, high = figure.axes[0].get_xlim()
+    places = figure.axes[0].get_xticks()
+    assert {tick for tick, place in zip(ticks, places, strict=True) if low <= place <= high} <= set(shown)
+
+
+def test_no_run_stands_at_the_edge_of_the_distribution_of_gaps():
+    figure = gap_figure([("split", [0.0] * 5), ("k-means", [0.0, 0.1, 0.1, 0.2, 0.2])])
+    axes = figure.axes[0]
+    places = np.concatenate([dots.get_offsets() for dots in axes.collections])
+    low, high = axes.get_ylim()
+    assert low < places[:, 1].min() - 0.1
+    assert places[:, 1].max() + 0.1 < high
+
+
+@pytest.mark.parametrize("width", [PAGE_WIDTH, WIDTH])
+def test_a_legend_stays_below_the_axes(instance, width):
+    figure = plan_figure(instance, Plan.of_contours([(0, 1, 2), (3, 4, 5)]), width=width)
+    figure.draw_without_rendering()
+    legend, label = figure.legends[0].get_window_extent(), figure.axes[0].xaxis.label.get_window_extent()
+    assert legend.y1 <= label.y0
+    assert legend.x1 <= figure.bbox.x1
