@@ -78,7 +78,7 @@ def front_figure(name: str, results: Sequence[Result]) -> Figure:
     )
     axes.set_xlabel("imbalance of a plan, or its limit [s]")
     axes.set_ylabel("travel [mm]")
-    axes.set_title(f"{name}: least travel under a limit on imbalance", fontsize=10)
+    axes.set_title(f"{name}: least travel under a limit on imbalance", fontsize=10, loc="left")
     axes.grid(color=UNCUT, alpha=0.25, linewidth=0.7)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False)
