@@ -39,6 +39,8 @@ LEGEND_COLUMN = 1.4
 """Width of a column of a legend, inches."""
 MOST_NUMBERED = 40
 """Contours of a tour that are numbered; more numbers cannot be read."""
+NUMBER_OFFSET = (5, 5)
+"""Points from a place to its number, which then clears dots and the ring around the first contour."""
 MOST_CLEAR = 100
 """Contours that are drawn with lines and dots of full size; more get finer ones."""
 
