@@ -243,20 +243,11 @@ def warming_figure(instance: Instance, plan: Plan, cap: float | None = None) -> 
     top = max([ambient + 1.0, *finite.tolist(), *([] if cap is None else [cap])])
     axes.set_ylim(ambient - 0.04 * (top - ambient), ambient + 1.15 * (top - ambient))
     axes.set_xlim(-0.02 * end, 1.02 * end if end > 0 else 1.0)
-    peak = ambient + found[hottest]
-    axes.annotate(
-        f"peak {peak:.1f} deg C: contour {instance.contours[hottest].id}, {moment:.2f} s",
-        (moment, min(peak, axes.get_ylim()[1])),
-        xytext=(-6 if moment > end / 2 else 6, 5),
-        textcoords="offset points",
-        ha="right" if moment > end / 2 else "left",
-        fontsize=8,
-        path_effects=[withStroke(linewidth=2.0, foreground="white")],
-        zorder=5,
-    )
+    name, peak = instance.contours[hottest].id, ambient + found[hottest]
+    hottest_label = f"the hottest: contour {name}, {peak:.1f} deg C after {moment:.2f} s"
     handles = [
         Line2D([], [], color=UNCUT, linewidth=0.9, label="start point until it is pierced"),
-        Line2D([], [], color=HEAD_COLOURS[1], linewidth=1.8, label="the hottest one"),
+        Line2D([], [], color=HEAD_COLOURS[1], linewidth=1.8, label=hottest_label),
         Line2D([], [], color="black", marker="o", markersize=4, linestyle="none", label="pierced"),
     ]
     if cap is not None:
@@ -265,5 +256,5 @@ def warming_figure(instance: Instance, plan: Plan, cap: float | None = None) -> 
     axes.set(xlabel="time since the start [s]", ylabel="temperature [deg C]")
     axes.set_title(f"{instance.name}: how warm start points are when they are pierced", fontsize=10, loc="left")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=8)
     return figure
