@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 from IPython.display import HTML, Markdown
+from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from shapely import MultiPoint
@@ -20,6 +21,8 @@ from cutgap.views.plots import plan_figure
 SHOWN = 1e-6
 """Edges below this value are not drawn, those that lack no more of 1 are whole."""
 BORDER = "#0072B2"
+INCH = 100
+"""Pixels of the page to an inch of a figure; the picture has twice as many, for dense screens."""
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> Markdown:
@@ -59,10 +62,13 @@ def plan(instance: Instance, plan: Plan | None, title: str) -> HTML:
 def picture(figure: Figure, description: str) -> HTML:
     """Return a figure, with its description for those who do not see it."""
     image = io.BytesIO()
-    figure.savefig(image, format="png", dpi=130)
+    figure.savefig(image, format="png", dpi=2 * INCH)
+    # A notebook also shows figures that pyplot holds open at the end of a cell.
+    plt.close(figure)
     data = base64.b64encode(image.getvalue()).decode("ascii")
     return HTML(
-        f'<img class="plan-picture" alt="{html.escape(description)}" src="data:image/png;base64,{data}">'
+        f'<img class="picture" width="{figure.get_figwidth() * INCH:.0f}" alt="{html.escape(description)}"'
+        f' src="data:image/png;base64,{data}">'
     )
 
 
