@@ -96,7 +96,7 @@ def number(
     if answer is None:
         return NO_ANSWER
     if abs(answer - truth) <= within:
-        return Verdict(True, f"{truth:g}")
+        return Verdict(True, _figure(truth))
     for wrong, why in (mistakes or {}).items():
         if abs(answer - wrong) <= within:
             return Verdict(False, why)
@@ -202,6 +202,10 @@ def _least(
         [costs.get(name, 0.0) for name in names], -left, [-row.at_least for row in rows], bounds=bounds
     )
     return float(answer.fun) if answer.status == 0 else None
+
+
+def _figure(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:g}"
 
 
 def _range(name: Hashable) -> tuple[float | None, float | None]:
