@@ -9,13 +9,15 @@ from typing import Any
 from cutgap import formulations
 
 sys.path.insert(0, str(Path(__file__).parent))
-from modelling import with_models
+from modelling import states_model, with_models
 
 # Its names are loaded on first use, and autodoc only sees what is there.
 vars(formulations).update({name: getattr(formulations, name) for name in formulations.__all__})
 
 BAR = re.compile(r"``.*?``|\|")
 """A bar, or a literal, in which bars are left alone."""
+LAST_LINE = re.compile(r"\n\n```$", re.MULTILINE)
+"""The end of a block with prompts: doctest asks for an empty line after the last output."""
 
 project = "cutgap"
 author = "the authors of cutgap"
@@ -29,6 +31,8 @@ extensions = [
 exclude_patterns = ["build", "lessons/*.ipynb"]
 
 html_theme = "furo"
+# The default underlines the names of modules as if they were links.
+pygments_dark_style = "github-dark"
 html_title = "cutgap"
 html_show_sourcelink = False
 html_copy_source = False
@@ -53,29 +57,37 @@ nb_render_markdown_format = "myst"
 nb_merge_streams = True
 
 autodoc_typehints = "none"
+autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 
 
 def as_written(app: Any, what: str, name: str, obj: object, options: Any, lines: list[str]) -> None:
-    """Show the docstring of a module, which is a model with aligned equations, exactly as it stands.
+    """Show the docstring of a module that is a model with aligned equations exactly as it stands.
 
     Elsewhere a bar is an absolute value, which reStructuredText would take for a substitution.
     """
-    if what == "module" and lines:
+    if what == "module" and states_model("\n".join(lines)):
         lines[:] = [".. code-block:: text", "", *(f"   {line}" for line in lines), ""]
     else:
         lines[:] = [BAR.sub(lambda bar: bar[0] if bar[0] != "|" else "\\|", line) for line in lines]
 
 
-def state_models(app: Any, docname: str, source: list[str]) -> None:
-    """Put the models of the code into the page that asks for them."""
+def leave_out(app: Any, what: str, name: str, obj: object, skip: bool, options: Any) -> bool | None:
+    """Leave out fields of a tuple without a docstring of their own, of which Python tells the number alone."""
+    return (getattr(obj, "__doc__", None) or "").startswith("Alias for field number") or None
+
+
+def prepare(app: Any, docname: str, source: list[str]) -> None:
+    """Put the models of the code into the page that asks for them; end blocks at their last line."""
     if docname == "models":
         source[0] = with_models(source[0])
+    source[0] = LAST_LINE.sub("\n```", source[0])
 
 
 def setup(app: Any) -> None:
     """Called by Sphinx."""
-    app.connect("source-read", state_models)
+    app.connect("source-read", prepare)
+    app.connect("autodoc-skip-member", leave_out)
     app.connect("autodoc-process-docstring", as_written)

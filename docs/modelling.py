@@ -15,6 +15,11 @@ def with_models(text: str) -> str:
     return PLACE.sub(lambda place: "\n\n".join(models_of(place[1])), text)
 
 
+def states_model(docstring: str) -> bool:
+    """Return whether a docstring states a model."""
+    return FORMULA.search(docstring) is not None
+
+
 def models_of(package: str) -> list[str]:
     """Return a section for each module of a package, without those below, that states a model.
 
@@ -29,7 +34,7 @@ def models_of(package: str) -> list[str]:
     sections = []
     for file in files:
         docstring = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-        if FORMULA.search(docstring):
+        if states_model(docstring):
             name = package if file.stem == "__init__" else f"{package}.{file.stem}"
             sections.append(f"### {name}\n\n```text\n{docstring}\n```")
     if not sections:

@@ -256,7 +256,7 @@ class Instance:
 
     @cached_property
     def service_times(self) -> Floats:
-        """Time to pierce and cut each contour, s: perimeter / v_cut + t_aux."""
+        """Time to pierce and cut each contour, perimeter / v_cut + t_aux, in s."""
         return frozen_array(self.perimeters / self.machine.v_cut + self.machine.t_aux, "service times")
 
     def node(self, contour: int, entry: int = 0) -> int:

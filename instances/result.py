@@ -71,7 +71,7 @@ class Result:
 
     @property
     def zero(self) -> float:
-        """The value of which gaps are shares: the ambient temperature for a peak, else 0."""
+        """The value of which gaps are shares, the ambient temperature for a peak, else 0."""
         return (self.ambient_c or 0.0) if self.rules.objective == "peak" else 0.0
 
 
