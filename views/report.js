@@ -112,6 +112,12 @@ const titleOf = id => byId(id).querySelector("figcaption").textContent;
 function difference(left, right) {
   const [one, two] = [left, right].map(id => byId(id).dataset);
   if (left === right || one.part !== two.part || one.asked !== two.asked || !one.value || !two.value) return "";
+  // Where zero deg C lies is arbitrary: of temperatures a share says nothing.
+  if (one.unit === "deg C") {
+    const degrees = two.value - one.value;
+    if (Math.abs(degrees) < 0.005) return "Both have the same value.";
+    return `The value on the right is ${Math.abs(degrees).toFixed(2)} deg C ${degrees > 0 ? "higher" : "lower"} than that on the left.`;
+  }
   const share = 100 * (two.value - one.value) / one.value;
   if (!Number.isFinite(share) || Math.abs(share) < 0.0005) return "Both have the same value.";
   return `The value on the right is ${Math.abs(share).toFixed(3)} % ${share > 0 ? "larger" : "smaller"} than that on the left.`;

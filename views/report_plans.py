@@ -85,7 +85,7 @@ def _plan_figure(row: TableRow, rows: Sequence[TableRow], sheet: Sheet) -> str:
     ]
     boxes = "".join(f"<div>{definition(*pair)}</div>" for pair in figures)
     note = f'<p class="warn">{escape(row.note)}</p>' if row.note else ""
-    value = "" if row.value is None else f' data-value="{row.value:.10g}"'
+    value = "" if row.value is None else f' data-value="{row.value:.10g}" data-unit="{unit}"'
     caption = f"<figcaption>{escape(title)}</figcaption>"
     drawing = plan_svg(sheet, plan, f"plan of {title}")
     attributes = f'class="plan" id="{plan_id(row)}"{data_attributes(row)}{value}'

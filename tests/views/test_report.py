@@ -1,6 +1,7 @@
 """The report's headline figures against the records that they summarise."""
 
 import re
+from dataclasses import replace
 from statistics import fmean
 
 import numpy as np
@@ -12,6 +13,7 @@ from cutgap.benchmark.runner import run_tasks
 from cutgap.benchmark.table import gap_table
 from cutgap.benchmark.tasks import instance_hash, suite_tasks
 from cutgap.instances import Rules
+from cutgap.instances.suites import load_suite
 from cutgap.views.report import Run, report_html
 from cutgap.views.report_plans import DRAWN_PARTS
 
@@ -68,3 +70,15 @@ def test_a_long_suite_draws_its_first_parts_and_says_so():
     page, _ = report(many, ("split",))
     assert f"The first {DRAWN_PARTS} of {DRAWN_PARTS + 1} parts are drawn" in page
     assert page.count('aria-label="plan of') == DRAWN_PARTS
+
+
+def test_a_bound_on_the_peak_leads_to_its_certificate():
+    plate, rules = load_suite("small-plates")[0], Rules("peak")
+    (task,) = suite_tasks([(plate, rules)], ("heat",), seeds=1)
+    (record,) = run_tasks([task], SerialExecutor())
+    record = replace(record, certificate="proof.json")
+    run = Run("suite", (rules,), ("heat",), 1, None, 1)
+    page = report_html(run, [record], gap_table([record]), {instance_hash(plate): plate})
+    cells = re.findall(r"<td>(.*?)</td>", page)
+    assert f'<a href="certificates/proof.json">= {record.result.lower_bound:.2f}</a>' in cells
+    assert "1 part; asked for" in page
