@@ -155,7 +155,8 @@ PROOF = Column(
 )
 SECONDS = Column(
     "time [s]",
-    "Mean wall time of a run, loading and compiling not counted; it depends on the machine.",
+    "Mean wall time of a run, after one on a few contours that loads and compiles and is not counted; "
+    "what that one did not need, the first run on a machine still compiles.",
     lambda row: seconds(row.seconds),
 )
 
