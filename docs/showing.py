@@ -21,7 +21,7 @@ from cutgap.views.plots import plan_figure
 SHOWN = 1e-6
 """Edges below this value are not drawn, those that lack no more of 1 are whole."""
 BORDER = "#0072B2"
-INCH = 100
+INCH = 115
 """Pixels of the page to an inch of a figure; the picture has twice as many, for dense screens."""
 
 

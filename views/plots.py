@@ -91,7 +91,7 @@ def plan_figure(
     axes.set_aspect("equal", anchor="W")
     axes.set(xlabel="x [mm]", ylabel="y [mm]")
     axes.set_title(title or instance.name, loc="left", fontsize=10)
-    axes.margins(0.04)
+    axes.margins(0.06)
     _draw_contours(axes, instance, plan, filled=free)
     if plan is not None:
         for head, (tour, made) in enumerate(zip(plan.tours, strokes(instance, plan), strict=True)):
