@@ -17,7 +17,8 @@ plan below ``hot`` only makes such steps. So a plan below both does not end at (
 Times are integers of 1 / SECOND s, rounded down, each by less than 1 + 1 / FINER. The time from the end of one
 contour to the start of another is a sum of at most n - 2 works and n - 1 ways, so less than 2 n above that of
 the integers; the uncertainty of ``warmth`` goes to both sides. What the library calls a time counts from the
-home, so the way from there is part of the longest time.
+home, so the way from there is part of the longest time; and so is the way to the largest coordinate, as the
+floats of two places that are far off make a short way between them uncertain.
 """
 
 from fractions import Fraction
@@ -35,8 +36,10 @@ from cutgap.formulations.certificate.warmth import FLOATS, KELVIN, SECOND, Warmt
 MOST_CELLS = 50_000_000
 """Most entries of the table of (1)."""
 MOST_CONTOURS = 16
-KERNEL_STEPS, STATE_STEPS = 25, 5
-"""Elementary steps of one T, and of one entry of a table."""
+MOST_POINTS = 1000
+"""A pair of points takes some 200 bytes, however few contours there are."""
+KERNEL_STEPS, STATE_STEPS, DISTANCE_STEPS = 25, 5, 400
+"""Elementary steps of one T, of one entry of a table, and of a point and an edge."""
 FINER = 2**20
 """Ways are rounded down to this part of a unit of time, before they are to whole ones."""
 SLACK = Fraction(2, 10**9)
@@ -100,6 +103,14 @@ def search_heat(
             search.check(nothing, [problem.lengths(v, [first], scale)[0] for v in nodes], first)
 
 
+def _farthest(problem: Problem) -> int:
+    """Return the time to the largest coordinate."""
+    if problem.metric == "matrix":
+        return 0
+    largest = max(abs(value) for place in problem.places for value in place)
+    return ceil(Fraction(largest, problem.denominator) / problem.v_jump * SECOND)
+
+
 class Search:
     """The walks of a problem."""
 
@@ -112,9 +123,11 @@ class Search:
         self.entries = problem.entries
         self.contour_of = [contour for contour, nodes in enumerate(problem.entries) for _ in nodes]
         points = len(self.contour_of)
-        require(points * points << self.count <= MOST_CELLS, "heat: more points and contours than are searched")
+        fits = points <= MOST_POINTS and points * points << self.count <= MOST_CELLS
+        require(fits, "heat: more points and contours than are searched")
         pairs, sets = points * points, 1 << max(0, self.count - 2)
         budget.spend(pairs * sets * (self.count + STATE_STEPS))
+        budget.spend(DISTANCE_STEPS * points * sum(len(curve) for curve in problem.curves))
         nodes, contours = list(range(points)), list(range(self.count))
         # Where travel has no limit it is 0, so none is above NEVER.
         self.cost = [
@@ -152,7 +165,7 @@ class Search:
         for b, inside in enumerate(self.entries):
             ways = [self.way[v][w] for v in nodes if self.contour_of[v] != b for w in inside]
             least[b], most[b] = min(ways, default=0), max(ways, default=0)
-        longest = out + sum(self.work) + sum(most) + 2 * self.count + 2
+        longest = out + _farthest(problem) + sum(self.work) + sum(most) + 2 * self.count + 2
         self.early = ceil(longest * FLOATS) + 1
         self.late = self.early + 2 * self.count
         self.soonest, self.latest = [0], [0]

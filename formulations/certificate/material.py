@@ -8,9 +8,9 @@ the largest extent of all curves. As the library decides this in floats, a proof
 from fractions import Fraction
 from itertools import pairwise
 
-from cutgap.formulations.certificate.curves import inside
 from cutgap.formulations.certificate.problem import Problem
 from cutgap.formulations.certificate.reading import require, show
+from cutgap.formulations.certificate.segments import inside
 
 DEPTH = Fraction(1, 10**7)
 """How deep a link may run in a part, relative to the largest extent of all curves."""

@@ -12,7 +12,6 @@ that have one. With one entry point a contour, contours and nodes have the same 
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
@@ -20,6 +19,7 @@ from math import gcd, isqrt, lcm
 from operator import add
 from typing import Any
 
+from cutgap.formulations.certificate.plane import Spot, as_doubles
 from cutgap.formulations.certificate.reading import (
     entries,
     fields,
@@ -35,7 +35,6 @@ from cutgap.formulations.certificate.sheet import Sheet, sheet_of
 MAX_NODES = 10_000
 
 Pair = tuple[int, int]
-Spot = tuple[int, int]
 Point = tuple[Fraction, ...]
 Curve = tuple[Point, ...]
 Ellipsoid = tuple[Point, tuple[Point, ...]]
@@ -64,8 +63,8 @@ class Problem:
     denominator, places
         ``places[node]`` holds integers: x, y, z, or the node's row of the matrix, in mm * denominator.
     plane, curves
-        x, y of each entry point, and the closed polyline of each contour (empty without one), as integers in
-        a unit of their own.
+        x, y of each entry point, and the closed polyline of each contour (empty without one), as the doubles
+        that the library has for them, in integers of a unit of their own.
     contours
         The fields of each contour as the file has them.
     material
@@ -205,7 +204,7 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
     rows = points if matrix is None else matrix
     denominator = lcm(*{value.denominator for row in rows for value in row})
     places = tuple(tuple(int(value * denominator) for value in row) for row in rows)
-    plane, curves = _plane(contours)
+    plane, *curves = as_doubles([[p for contour in contours for p in contour[1]], *(c[4] for c in contours)])
     material = sheet_of(table.get("material"))
     has_home = [home is not None for _, home in heads]
     homes = [count + sum(has_home[:head]) if has_home[head] else None for head in range(len(heads))]
@@ -226,7 +225,7 @@ def problem_of(document: str | dict[str, Any]) -> Problem:
         places=places,
         located=located,
         plane=plane,
-        curves=curves,
+        curves=tuple(curves),
         contours=tuple(contours),
         material=material,
     )
@@ -255,18 +254,6 @@ def _ellipsoid(value: Any, where: str) -> Ellipsoid | None:
     axes = entries(table["axes"], f"{where}.axes")
     require(1 <= len(axes) <= 3, f"{where}.axes: expected 1 to 3, got {len(axes)}")
     return _point(table["centre"], f"{where}.centre"), tuple(_point(each, f"{where}.axes") for each in axes)
-
-
-def _plane(contours: list[ContourFields]) -> tuple[tuple[Spot, ...], tuple[tuple[Spot, ...], ...]]:
-    """Return x, y of all entry points and of the curves, as integers over one denominator."""
-    points = [point for contour in contours for point in contour[1]]
-    rows = [*points, *(point for contour in contours for point in contour[4])]
-    unit = lcm(*{value.denominator for row in rows for value in row[:2]})
-
-    def spots(given: Sequence[Point]) -> tuple[Spot, ...]:
-        return tuple((int(x * unit), int(y * unit)) for x, y, *_ in given)
-
-    return spots(points), tuple(spots(contour[4]) for contour in contours)
 
 
 def _head(value: Any, index: int) -> tuple[str, Point | None]:

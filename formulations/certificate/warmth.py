@@ -43,6 +43,8 @@ STEP = 10
 LOWEST = 44
 """From e^-LOWEST on, below 2^-63, powers count as 0."""
 MM = Fraction(1, 1000)
+ORDINARY = Fraction(1, 10**30), Fraction(10**30)
+"""Between these, figures of materials and speeds neither vanish nor overflow in the floats of the library."""
 FALLING = -(10**100)
 """Before all times: where L is 0, T never rises."""
 
@@ -72,6 +74,8 @@ class Warmth:
         material = problem.material
         require(material is not None, "heat: the instance has no material")
         assert material is not None
+        figures = (*material[:-1], problem.v_cut, problem.v_jump)
+        require(all(ORDINARY[0] <= each <= ORDINARY[1] for each in figures), "heat: figures beyond 1e30")
         stored = material.conductivity * material.capacity
         # k^2, with pi rounded up.
         line = material.power / (problem.v_cut * MM * material.thickness)

@@ -5,7 +5,7 @@ import json
 import math
 from dataclasses import asdict, replace
 from functools import cache
-from itertools import product
+from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from certificate.battery import battery
 from cutgap.instances import Contour, Head, Instance, Rules, check
 from cutgap.instances.formats.json_format import format_instance
 from cutgap.instances.nesting import enclosures
+from cutgap.instances.process import adjacent_parts
 
 SCALE = 1000
 SWITCHES = ("parts_in_one_go", "neighbours_only", "clear_rapids")
@@ -253,7 +254,7 @@ def segments_meet_where_they_should(api: Any) -> None:
             continue
         met = _meet(p, q, a, b)
         seen[met] += 1
-        assert api.curves.meet(p, q, a, b) == met
+        assert api.segments.meet(p, q, a, b) == met
     assert min(seen.values()) > 100
 
 
@@ -266,10 +267,63 @@ def curves_lie_in_curves(api: Any) -> None:
             sheet = replace(sheet, contours=(*sheet.contours, replace(sheet.contours[0], id="again")))
         curves = api.curves.Curves(api.problem_of(document_of(sheet)), api.proof.Budget())
         around = enclosures([contour.geometry for contour in sheet.contours])
-        for inner, outer in product(range(len(around)), repeat=2):
-            assert curves._lies_in(inner, outer) == (outer in around[inner])
-            seen += outer in around[inner]
+        for one, other in combinations(range(len(around)), 2):
+            found = api.nests.lies_in((one, other), curves.edges[one], curves.edges[other], curves.budget)
+            assert found == (other in around[one], one in around[other])
+            seen += any(found)
     assert seen > 20
+
+
+@battery
+def neighbours_in_doubt_are_refused(api: Any) -> None:
+    """Curves that may cross, touch, or have no area: what the checker says the library says too."""
+    seen = {"refused": 0, True: 0, False: 0}
+    for seed in range(400):
+        rng = np.random.default_rng(seed)
+        square, contours = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]), []
+        for name in "abc":
+            corners = square * rng.integers(1, 9, 2) if rng.random() < 0.8 else rng.integers(0, 9, (3, 2))
+            curve = (corners + rng.integers(0, 12, 2)) / 10
+            contours.append(Contour(name, [[*curve[int(rng.integers(len(curve)))], 0]], 1.0, geometry=curve))
+        sheet = Instance("sheet", tuple(contours), (Head("h"),))
+        curves = api.curves.Curves(api.problem_of(document_of(sheet)), api.proof.Budget())
+        for one, other in combinations(range(3), 2):
+            try:
+                found = curves.neighbours(one, other)
+            except api.Refused:
+                seen["refused"] += 1
+                continue
+            assert found == adjacent_parts(sheet)[one, other]
+            seen[found] += 1
+    assert min(seen.values()) > 20
+
+
+@battery
+def curves_in_doubt_are_known(api: Any) -> None:
+    """Pairs of curves, and which one lies in the other; none where that depends on the point that is asked."""
+    big, small = [(0, 0), (40, 0), (40, 40), (0, 40)], [(10, 10), (20, 10), (20, 20), (10, 20)]
+    beside = [(40, 10), (60, 10), (60, 20), (40, 20)]
+    bow, cross = [(10, 10), (20, 20), (20, 10), (10, 30)], [(30, 10), (60, 10), (60, 20), (30, 20)]
+    spike = [(10, 10), (20, 10), (30, 10), (20, 10), (20, 20)]
+    thin = [(-10, -10), (130, 130), (130, 129)]  # through two corners, outside at its corners and middles
+    far = [(10**8 + x, 10**8 + y) for x, y in small]
+    flat, corner = [(10, 10), (20, 10), (30, 10)], [(0, 0), (10, 10), (0, 20)]
+    nearly = [(0, 0), (40 * 10**10, 0), (40 * 10**10, 40 * 10**10 - 1), (0, 40 * 10**10)]
+    pairs = [
+        (small, big, (True, False)), (big, small, (False, True)), (corner, big, (True, False)),
+        (big, big, (False, True)), (beside, big, (False, False)), (big[1:] + big[:1], big, None),
+        (bow, big, None), (cross, big, None), (spike, big, None), (thin, big, None), (flat, big, None),
+        (far, [(10**7 * x, 10**7 * y) for x, y in big], None),
+        ([(10**10 * x, 10**10 * y) for x, y in big], nearly, None),
+    ]  # fmt: skip
+    for one, other, expected in pairs:
+        edges = [list(pairwise([*curve, curve[0]])) for curve in (one, other)]
+        try:
+            assert api.nests.lies_in((0, 1), *edges, api.proof.Budget()) == expected
+        except api.Refused:
+            assert expected is None
+    with pytest.raises(api.Refused, match="too many steps"):
+        api.nests.lies_in((0, 1), list(pairwise([*bow, bow[0]])), edges[1], api.proof.Budget(100))
 
 
 @battery

@@ -16,7 +16,7 @@ from oracles.random_plates import random_plate
 
 from certificate.battery import battery
 from certificate.samples import document_of
-from cutgap.instances import Head, Instance, Rules, check, evaluate
+from cutgap.instances import Contour, Head, Instance, Machine, Plan, Rules, check, evaluate
 
 SCALE = 10**9
 HAIR = 1000
@@ -136,6 +136,56 @@ def plans_that_check_allows_are_not_refuted(api: Any) -> None:
             peak = math.ceil(figures.peak_temperature_c * SCALE) + HAIR
             assert not holds(api, instance, replace(rules, objective="peak"), peak)
     assert allowed >= 30
+
+
+def excludes(api: Any, instance: Instance, rules: Rules, plan: Plan) -> bool | None:
+    """Whether the checker proves that there is no plan; ``None`` where ``check`` does not allow this one."""
+    return None if check(instance, rules, plan) else holds(api, instance, rules, None)
+
+
+@battery
+def rapids_cross_what_they_cross_in_doubles(api: Any) -> None:
+    """In decimals the second rapid touches a corner; in doubles some miss it by a hair."""
+    answers = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        start, step = rng.integers(0, 50, 2), rng.integers(1, 20, 2)
+        aside = np.array([-step[1], step[0]])
+        corners = [
+            (start, start - step, start - step + aside),
+            (start + 3 * step, start + 4 * step, start + 4 * step + aside),
+            (start + step, start + 2 * (step + aside), start + step + 3 * aside),
+        ]
+        contours = tuple(
+            Contour(name, [[*(curve[0] / 10), 0]], 0.0, geometry=np.array(curve) / 10)
+            for name, curve in zip("abc", corners, strict=True)
+        )
+        instance = Instance("touch", contours, (Head("h"),), precedence=((2, 0), (0, 1)), material=STEEL)
+        answers.append(excludes(api, instance, CLEAR, Plan.of_contours([[2, 0, 1]])))
+    assert answers.count(None) > 5
+    assert answers.count(False) > 5
+    assert True not in answers
+
+
+@battery
+def times_far_from_the_origin_are_uncertain(api: Any) -> None:
+    """Doubles know a place a kilometre off by 1e-10 mm, so a way of a micrometre by less than a millionth."""
+    answers = []
+    for k in range(40):
+        place = round(1e6 + 0.001 * (1 + k) + 1e-4 * k, 6)
+        curves = [[1e6, 0], [place, 0], [1e6 + 2, 2]], [[place, 0], [1e6 + 1, 3], [place, 0.5]]
+        contours = tuple(
+            Contour(name, [[*curve[0], 0]], 0.0, geometry=curve)
+            for name, curve in zip("ab", curves, strict=True)
+        )
+        slow = Machine(v_jump=0.01, v_cut=40.0, t_aux=0.0)
+        instance = Instance("far", contours, (Head("h"),), slow, precedence=((0, 1),), material=STEEL)
+        plan = Plan.of_contours([[0, 1]])
+        capped = replace(TRAVEL, temperature_cap=evaluate(instance, plan).peak_temperature_c)
+        answers.append(excludes(api, instance, capped, plan))
+        below = replace(TRAVEL, temperature_cap=capped.temperature_cap * (1 - 1e-3))
+        assert holds(api, instance, below, None)
+    assert answers == [False] * 40
 
 
 @battery
@@ -287,6 +337,22 @@ def every_temperature_is_paid_for(api: Any) -> None:
 def large_plates_are_refused_before_the_search(api: Any) -> None:
     rng = np.random.default_rng(0)
     many, full = tied_plate(rng, 17, points=1), tied_plate(rng, 14, points=4)
-    for instance, message in ((many, "more than 16"), (full, "more points and contours")):
+    fine = tied_plate(rng, 2, points=1, home=False, metric="euclidean")
+    corners = np.tile(fine.contours[0].geometry, (10, 1))
+    long = replace(fine, contours=tuple(replace(each, geometry=corners) for each in fine.contours))
+    crowd = np.column_stack([np.tile(corners, (13, 1)), np.zeros(520)])
+    crowded = replace(fine, contours=tuple(replace(each, entry_points=crowd) for each in fine.contours))
+    # Two contours with four corners, or 40, in steps that are enough for the former.
+    for each, message in ((fine, "not excluded"), (long, "too many steps")):
+        with pytest.raises(api.Refused, match=message):
+            api.verify(heat_certificate(api, each, PEAK, 10**10 * SCALE), document_of(each), steps=20_000)
+    beyond = replace(fine, material=replace(STEEL, power_w=1e31))
+    with pytest.raises(api.Refused, match="beyond 1e30"):
+        api.verify(heat_certificate(api, beyond, PEAK, 30 * SCALE), document_of(beyond))
+    for instance, message in (
+        (many, "more than 16"),
+        (full, "more points and contours"),
+        (crowded, "more points and contours"),
+    ):
         with pytest.raises(api.Refused, match=message):
             api.verify(heat_certificate(api, instance, PEAK, 30 * SCALE), document_of(instance), steps=1)
